@@ -56,6 +56,11 @@ Status PrepareProcess(const ProcessNeeds& needs) {
                                 "the system lets a file of this process grow to", "ulimit -f unlimited");
       !status.ok())
     return status;
+  if (Status status =
+          CheckSize(RLIMIT_STACK, needs.stack_bytes,
+                    "the system lets the stack of this process's threads grow to", "ulimit -s 8192");
+      !status.ok())
+    return status;
   return CheckSize(RLIMIT_AS, needs.memory_bytes, "the system gives this process memory up to",
                    "ulimit -v unlimited");
 }

@@ -9,9 +9,10 @@
 namespace cairn {
 
 struct ProcessNeeds {
-  std::uint64_t files = 32;        // open at a time, beside those that it was started with
-  std::uint64_t file_bytes = 0;    // of the largest that it writes, at the least
-  std::uint64_t memory_bytes = 0;  // addresses, at the least
+  std::uint64_t files = 32;             // open at a time, beside those that it was started with
+  std::uint64_t file_bytes = 0;         // of the largest that it writes, at the least
+  std::uint64_t memory_bytes = 0;       // addresses, at the least
+  std::uint64_t stack_bytes = 1 << 20;  // of each thread, at the least
 };
 
 // Raises the soft limit on open files where that is what is in the way. From now on a file that would grow

@@ -54,6 +54,18 @@ TEST(ProcessLimits, WhatIsTooLowIsSaidWithWhatIsNeeded) {
       << small.message();
 }
 
+// Beyond it lies no write that fails, but the end of the process.
+TEST(ProcessLimits, AStackThatIsTooSmallIsSaid) {
+  const Limited limited(RLIMIT_STACK, 64 << 10);
+  const Status small = PrepareProcess({});
+  EXPECT_EQ(small.code(), Code::kRefused);
+  EXPECT_NE(
+      small.message().find("threads grow to 64 KiB here, and it needs 1 MiB at the least: raise the limit "
+                           "(ulimit -s 8192)"),
+      std::string::npos)
+      << small.message();
+}
+
 // A text that is no UTF-8, and what protobuf itself calls fatal.
 TEST(ProcessLimits, WhatProtobufSaysOfBadBytesIsForNobody) {
   ASSERT_TRUE(PrepareProcess({}).ok());
