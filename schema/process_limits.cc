@@ -1,5 +1,6 @@
 #include "schema/process_limits.h"
 
+#include <google/protobuf/stubs/logging.h>
 #include <signal.h>
 #include <sys/resource.h>
 
@@ -49,9 +50,15 @@ Status CheckSize(decltype(RLIMIT_FSIZE) resource, std::uint64_t needed, const st
 
 Status PrepareProcess(const ProcessNeeds& needs) {
   ::signal(SIGXFSZ, SIG_IGN);
+  google::protobuf::SetLogHandler(nullptr);
   if (Status status = CheckFiles(needs.files); !status.ok()) return status;
   if (Status status = CheckSize(RLIMIT_FSIZE, needs.file_bytes,
                                 "the system lets a file of this process grow to", "ulimit -f unlimited");
+      !status.ok())
+    return status;
+  if (Status status =
+          CheckSize(RLIMIT_STACK, needs.stack_bytes,
+                    "the system lets the stack of this process's threads grow to", "ulimit -s 8192");
       !status.ok())
     return status;
   return CheckSize(RLIMIT_AS, needs.memory_bytes, "the system gives this process memory up to",

@@ -9,14 +9,16 @@
 namespace cairn {
 
 struct ProcessNeeds {
-  std::uint64_t files = 32;        // open at a time, beside those that it was started with
-  std::uint64_t file_bytes = 0;    // of the largest that it writes, at the least
-  std::uint64_t memory_bytes = 0;  // addresses, at the least
+  std::uint64_t files = 32;             // open at a time, beside those that it was started with
+  std::uint64_t file_bytes = 0;         // of the largest that it writes, at the least
+  std::uint64_t memory_bytes = 0;       // addresses, at the least
+  std::uint64_t stack_bytes = 1 << 20;  // of each thread, at the least
 };
 
 // Raises the soft limit on open files where that is what is in the way. From now on a file that would grow
-// over its limit is a write that fails, which is told, not the process's silent end. kRefused: which limit is
-// too low, what it is and what is needed.
+// over its limit is a write that fails, which is told, not the process's silent end; and what libprotobuf has
+// to say of bytes that it cannot read, in lines of its own and unescaped, is for nobody: whoever reads them
+// says what is wrong. kRefused: which limit is too low, what it is and what is needed.
 Status PrepareProcess(const ProcessNeeds& needs);
 
 }  // namespace cairn

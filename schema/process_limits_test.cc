@@ -1,6 +1,7 @@
 #include "schema/process_limits.h"
 
 #include <fcntl.h>
+#include <google/protobuf/stubs/logging.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -8,6 +9,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <string>
+
+#include "schema/job.pb.h"
 
 namespace cairn {
 namespace {
@@ -49,6 +52,29 @@ TEST(ProcessLimits, WhatIsTooLowIsSaidWithWhatIsNeeded) {
   EXPECT_EQ(small.code(), Code::kRefused);
   EXPECT_NE(small.message().find("grow to 8 KiB here, and it needs 64 MiB"), std::string::npos)
       << small.message();
+}
+
+// Beyond it lies no write that fails, but the end of the process.
+TEST(ProcessLimits, AStackThatIsTooSmallIsSaid) {
+  const Limited limited(RLIMIT_STACK, 64 << 10);
+  const Status small = PrepareProcess({});
+  EXPECT_EQ(small.code(), Code::kRefused);
+  EXPECT_NE(
+      small.message().find("threads grow to 64 KiB here, and it needs 1 MiB at the least: raise the limit "
+                           "(ulimit -s 8192)"),
+      std::string::npos)
+      << small.message();
+}
+
+// A text that is no UTF-8, and what protobuf itself calls fatal.
+TEST(ProcessLimits, WhatProtobufSaysOfBadBytesIsForNobody) {
+  ASSERT_TRUE(PrepareProcess({}).ok());
+  proto::Task task;
+  const std::string bytes = "\x12\x02\xff\x1b";  // `kind`
+  testing::internal::CaptureStderr();
+  EXPECT_FALSE(task.ParseFromString(bytes));
+  EXPECT_THROW(GOOGLE_LOG(FATAL) << "\x1b[2J", google::protobuf::FatalException);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 TEST(ProcessLimits, AFileThatMayNotGrowIsAWriteThatFailsAndNotTheEnd) {

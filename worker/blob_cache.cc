@@ -2,9 +2,15 @@
 
 namespace cairn::worker {
 
+std::size_t BlobCache::Footprint(const Blob& blob) {
+  std::size_t bytes = kBlobBytes + blob.ByteCount();
+  for (const auto& [name, array] : blob.fields()) bytes += kArrayBytes + name.size();
+  return bytes;
+}
+
 void BlobCache::Put(const wire::NamedBlob& named) {
   if (Get(named.hash) != nullptr) return;
-  const std::size_t bytes = named.blob->ByteCount();
+  const std::size_t bytes = Footprint(*named.blob);
   if (bytes > max_bytes_) return;
   while (bytes_ + bytes > max_bytes_) DropLast();
   order_.push_front(named);
@@ -20,7 +26,7 @@ BlobPtr BlobCache::Get(const Hash& hash) {
 }
 
 void BlobCache::DropLast() {
-  bytes_ -= order_.back().blob->ByteCount();
+  bytes_ -= Footprint(*order_.back().blob);
   index_.erase(order_.back().hash);
   order_.pop_back();
 }

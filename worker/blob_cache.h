@@ -11,12 +11,16 @@ namespace cairn::worker {
 
 class BlobCache {
  public:
+  // Of a blob beside its arrays' bytes, about: what it is kept in, and its arrays and their names.
+  static constexpr std::size_t kBlobBytes = 256, kArrayBytes = 256;
+  static std::size_t Footprint(const Blob& blob);
+
   explicit BlobCache(std::size_t max_bytes) : max_bytes_(max_bytes) {}
 
   // A blob larger than the whole cache is not kept.
   void Put(const wire::NamedBlob& named);
-  BlobPtr Get(const Hash& hash);  // null where it is not here
-  std::size_t bytes() const { return bytes_; }
+  BlobPtr Get(const Hash& hash);                // null where it is not here
+  std::size_t bytes() const { return bytes_; }  // with what blobs take beside their arrays' bytes
   std::size_t size() const { return order_.size(); }
 
  private:

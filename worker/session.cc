@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <utility>
+
+#include "schema/text.h"
 
 namespace cairn::worker {
 namespace {
@@ -14,11 +17,22 @@ constexpr double kAskAgain_s = 20;
 constexpr double kHelloAgain_s = 5;
 constexpr double kLongestWait_s = 1;
 constexpr double kRetry_s = 0.01;  // where the transport's queue is full
+constexpr double kShortestHeartbeat_s = 0.01, kLongestHeartbeat_s = 3600;
+// A coordinator gives no more tasks than a worker has slots. What it has called back may be answered already,
+// and wait to be sent, while others come in its place; more than this of its own is a mistake or an attack.
+constexpr std::size_t kTasksPerSlot = 2;
 
 wire::Message FetchOf(const Hash& hash) {
   wire::Message message;
   message.envelope.mutable_fetch()->set_hash(hash.Binary());
   return message;
+}
+
+// A heartbeat names the task and an answer repeats it.
+bool HasShortTexts(const wire::Assign& assign) {
+  const std::size_t most = wire::JobLimits().text_bytes;
+  return assign.key().job().size() <= most && assign.stage().name().size() <= most &&
+         assign.stage().pipeline().size() <= most && assign.task().kind().size() <= most;
 }
 
 }  // namespace
@@ -27,6 +41,7 @@ Session::Session(SessionOptions options, Transport& transport, TaskQueue& queue,
     : options_(std::move(options)),
       transport_(transport),
       queue_(queue),
+      log_(options_.log),
       cache_(options_.cache_bytes),
       started_s_(now_s) {
   for (const wire::NamedBlob& named : options_.given) given_[named.hash] = named.blob;
@@ -41,12 +56,13 @@ void Session::Handle(const Event& event, double now_s) {
       SayHello(now_s);
       return;
     case Event::kDisconnected:
-      options_.log(Severity::kWarning, "the coordinator is gone; waiting for it to come back");
+      log_.Say(PeerLog::kLink, Severity::kWarning, "the coordinator is gone; waiting for it to come back",
+               now_s);
       connected_ = false;
       DropConversation();
       return;
     case Event::kMalformed:
-      options_.log(Severity::kError, event.text);
+      log_.Say(PeerLog::kMalformed, Severity::kError, event.text, now_s);
       connected_ = false;
       DropConversation();
       return;
@@ -78,10 +94,7 @@ void Session::HandleMessage(const wire::Message& message, double now_s) {
   const wire::Envelope& envelope = message.envelope;
   switch (envelope.body_case()) {
     case wire::Envelope::kWelcome:
-      heartbeat_s_ = std::max(envelope.welcome().heartbeat_s(), 0.01);
-      ever_welcome_ = true;
-      heartbeat_sent_s_ = now_s - *heartbeat_s_;  // the first one at once
-      options_.log(Severity::kInfo, "at work");
+      HandleWelcome(envelope.welcome(), now_s);
       return;
     case wire::Envelope::kRefuse:
       End(kExitRefused, Severity::kError, "refused: " + envelope.refuse().reason());
@@ -91,11 +104,12 @@ void Session::HandleMessage(const wire::Message& message, double now_s) {
       if (heartbeat_s_) SayHello(now_s);
       return;
     case wire::Envelope::kDrain:
-      if (!leaving_) options_.log(Severity::kInfo, "told to leave: finishes what it runs");
+      if (!leaving_)
+        log_.Say(PeerLog::kDrain, Severity::kInfo, "told to leave: finishes what it runs", now_s);
       leaving_ = true;
       return;
     case wire::Envelope::kAssign:
-      if (heartbeat_s_) queue_.Add(envelope.assign());
+      if (heartbeat_s_) HandleAssign(envelope.assign(), now_s);
       return;
     case wire::Envelope::kCancel:
       queue_.Cancel(envelope.cancel().key());
@@ -112,12 +126,43 @@ void Session::HandleMessage(const wire::Message& message, double now_s) {
       return;
     case wire::Envelope::kLeave:
       if (options_.exit_on_leave) return End(kExitDone, Severity::kInfo, "the coordinator has ended");
-      options_.log(Severity::kInfo, "the coordinator has ended; waiting for the next");
+      log_.Say(PeerLog::kEnd, Severity::kInfo, "the coordinator has ended; waiting for the next", now_s);
       DropConversation();
       return;
     default:
-      options_.log(Severity::kWarning, std::string("a message for nobody here: ") + wire::KindName(envelope));
+      log_.Say(PeerLog::kStray, Severity::kWarning,
+               std::string("a message for nobody here: ") + wire::KindName(envelope), now_s);
   }
+}
+
+void Session::HandleWelcome(const wire::Welcome& welcome, double now_s) {
+  const double heartbeat_s = welcome.heartbeat_s();
+  if (!std::isfinite(heartbeat_s) || heartbeat_s < 0) {
+    log_.Say(PeerLog::kWelcome, Severity::kError,
+             "the coordinator asks for a heartbeat every " + std::to_string(heartbeat_s) +
+                 " s, which cannot be; it is not worked for",
+             now_s);
+    return DropConversation();
+  }
+  heartbeat_s_ = std::clamp(heartbeat_s, kShortestHeartbeat_s, kLongestHeartbeat_s);
+  ever_welcome_ = true;
+  heartbeat_sent_s_ = now_s - *heartbeat_s_;  // the first one at once
+  log_.Say(PeerLog::kWelcome, Severity::kInfo, "at work", now_s);
+}
+
+// What is not kept no heartbeat lists, and a coordinator that made a mistake gives it to another.
+void Session::HandleAssign(const wire::Assign& assign, double now_s) {
+  const std::uint32_t offered = options_.hello.slots();
+  const std::size_t slots = offered > 0 ? offered : wire::JobLimits().slots;
+  const std::size_t unsent = Unsent(wire::Envelope::kDone) + Unsent(wire::Envelope::kFailed);
+  if (!HasShortTexts(assign))
+    return log_.Say(PeerLog::kTask, Severity::kError, "a task whose name is too long is not taken", now_s);
+  if (queue_.Count() + unsent >= kTasksPerSlot * slots)
+    return log_.Say(
+        PeerLog::kTask, Severity::kError,
+        "more tasks than this worker has slots (" + std::to_string(slots) + "): what is over is not taken",
+        now_s);
+  queue_.Add(assign);
 }
 
 void Session::TakeBlob(const wire::NamedBlob& named, double now_s) {
@@ -138,13 +183,12 @@ void Session::SayHello(double now_s) {
 void Session::DropConversation() {
   heartbeat_s_.reset();
   queue_.DropAll();
-  wants_.clear();
   requests_.clear();
   outbox_.clear();
 }
 
 void Session::End(int code, Severity severity, const std::string& line) {
-  options_.log(severity, line);
+  options_.log(severity, Printable(line, wire::JobLimits().text_bytes));
   DropConversation();
   exit_code_ = code;
 }
@@ -187,19 +231,26 @@ BlobPtr Session::Known(const Hash& hash) {
 }
 
 void Session::Fetch(double now_s) {
-  for (const Want& want : queue_.TakeWants()) wants_.push_back(want);
-  while (!wants_.empty() && requests_.size() < kMaxRequests) {
-    const Want want = wants_.front();
-    wants_.pop_front();
-    if (const BlobPtr blob = Known(want.hash)) {
-      queue_.Deliver({want.hash, blob});
-    } else if (requests_.try_emplace(want.hash, Request{now_s, want.keep}).second) {
-      outbox_.push_back(FetchOf(want.hash));
+  while (requests_.size() < kMaxRequests) {
+    const std::optional<Want> want = queue_.TakeWant();
+    if (!want) return;
+    if (const BlobPtr blob = Known(want->hash)) {
+      queue_.Deliver({want->hash, blob});
+    } else if (requests_.try_emplace(want->hash, Request{now_s, want->keep}).second) {
+      outbox_.push_back(FetchOf(want->hash));
     }
   }
 }
 
+// What is not sent is neither repeated nor brought up to date: nothing piles up for a peer that takes
+// nothing.
+std::size_t Session::Unsent(wire::Envelope::BodyCase kind) const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      outbox_, [kind](const wire::Message& message) { return message.envelope.body_case() == kind; }));
+}
+
 void Session::RepeatFetches(double now_s) {
+  if (Unsent(wire::Envelope::kFetch) > 0) return;
   for (auto& [hash, request] : requests_) {
     if (now_s - std::max(request.asked_s, blob_s_) < kAskAgain_s) continue;
     request.asked_s = now_s;
@@ -208,7 +259,7 @@ void Session::RepeatFetches(double now_s) {
 }
 
 void Session::SendHeartbeat(double now_s) {
-  if (now_s - heartbeat_sent_s_ < *heartbeat_s_ / 2) return;
+  if (now_s - heartbeat_sent_s_ < *heartbeat_s_ / 2 || Unsent(wire::Envelope::kHeartbeat) > 0) return;
   heartbeat_sent_s_ = now_s;
   wire::Message message;
   *message.envelope.mutable_heartbeat() = queue_.Assigned();

@@ -8,20 +8,17 @@
 
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "worker/blob_cache.h"
+#include "worker/peer_log.h"
 #include "worker/task_queue.h"
 #include "worker/transport.h"
 
 namespace cairn::worker {
-
-enum class Severity { kInfo, kWarning, kError };
-using LogSink = std::function<void(Severity, const std::string& line)>;
 
 struct SessionOptions {
   wire::Hello hello;  // as it is sent
@@ -57,10 +54,13 @@ class Session {
   };
   void HandleMessage(const wire::Message& message, double now_s);
   void TakeBlob(const wire::NamedBlob& named, double now_s);
+  void HandleWelcome(const wire::Welcome& welcome, double now_s);
+  void HandleAssign(const wire::Assign& assign, double now_s);
   void NoteFailedHandshake();
   void SayHello(double now_s);
   void DropConversation();
   void End(int code, Severity severity, const std::string& line);
+  std::size_t Unsent(wire::Envelope::BodyCase kind) const;
   void TakeAnswers();
   BlobPtr Known(const Hash& hash);  // null: it has to be fetched
   void Fetch(double now_s);
@@ -72,6 +72,7 @@ class Session {
   const SessionOptions options_;
   Transport& transport_;
   TaskQueue& queue_;
+  PeerLog log_;
   BlobCache cache_;
   std::map<Hash, BlobPtr> given_;
   const double started_s_;
@@ -84,7 +85,6 @@ class Session {
   bool leaving_ = false;               // it ends once it has nothing assigned
   std::optional<double> leave_by_s_;   // of its own accord: then it ends in any case
   double blob_s_ = 0;                  // when a fetch was last answered
-  std::deque<Want> wants_;             // not asked for yet
   std::map<Hash, Request> requests_;
   std::deque<wire::Message> outbox_;
   std::optional<int> exit_code_;

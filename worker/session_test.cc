@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "worker/testing/rig.h"
 
 namespace cairn::worker {
@@ -103,6 +106,100 @@ TEST(Conversation, AnAnswerWaitsWhileTheQueueIsFull) {
   rig.Pass(1);
   rig.transport.SetFull(false);
   EXPECT_TRUE(rig.Serve().envelope.has_done());
+}
+
+wire::Message WelcomeOf(double heartbeat_s) {
+  wire::Message welcome;
+  welcome.envelope.mutable_welcome()->set_heartbeat_s(heartbeat_s);
+  return welcome;
+}
+
+// ---- a coordinator that means ill ----
+TEST(Conversation, WhatGoesBeyondItsSlotsIsNotKept) {
+  Rig rig(SpinUntilCancelled, [](WorkerOptions& o) { o.session.hello.set_slots(2); });
+  rig.Begin(1000);
+  for (std::uint32_t i = 0; i < 50; ++i) {
+    wire::Assign assign = RunTask(0);
+    assign.mutable_key()->set_attempt(i);
+    rig.Assign(assign);
+  }
+  rig.Give(WelcomeOf(1000));  // answered by a heartbeat
+  while (rig.transport.Take(true).envelope.heartbeat().tasks_size() != 4) {
+  }
+  const std::string log = rig.log();
+  EXPECT_NE(log.find("more tasks than this worker has slots (2)"), std::string::npos) << log;
+  EXPECT_EQ(log.find("more tasks"), log.rfind("more tasks")) << "it is told once: " << log;
+}
+
+TEST(Conversation, ATaskWithANameOfMegabytesIsNotTaken) {
+  Rig rig(AddIndex);
+  rig.Begin(1000);
+  const Hash a = rig.Keep(Number(1));
+  wire::Assign large = RunTask(1, {{"a", a}});
+  large.mutable_key()->set_job(std::string(1 << 20, 'j'));
+  rig.Assign(large);
+  rig.Assign(RunTask(2, {{"a", a}}));
+  EXPECT_EQ(rig.Serve().envelope.done().key().task(), 2u);
+  EXPECT_NE(rig.log().find("too long"), std::string::npos) << rig.log();
+}
+
+TEST(Conversation, AHeartbeatThatCannotBeIsRefusedAndALongOneShortened) {
+  Rig rig(AddIndex);
+  rig.Give(Event::kConnected);
+  EXPECT_TRUE(rig.Serve().envelope.has_hello());
+  for (const double never : {std::nan(""), -1.0, -HUGE_VAL, HUGE_VAL}) {
+    rig.Give(WelcomeOf(never));
+    rig.Pass(6);
+    EXPECT_TRUE(rig.transport.Take(true).envelope.has_hello()) << "nobody has welcomed it: " << never;
+  }
+  EXPECT_NE(rig.log().find("a heartbeat every nan s"), std::string::npos) << rig.log();
+  rig.Give(WelcomeOf(1e300));
+  EXPECT_TRUE(rig.transport.Take(true).envelope.has_heartbeat());
+  rig.Pass(1801);
+  EXPECT_TRUE(rig.transport.Take(true).envelope.has_heartbeat());
+}
+
+TEST(Conversation, NothingPilesUpForAPeerThatTakesNothing) {
+  Rig rig(AddIndex);
+  rig.Begin(1);
+  EXPECT_TRUE(rig.transport.Take(true).envelope.has_heartbeat());
+  rig.Assign(RunTask(1, {{"a", rig.Keep(Number(1))}}));
+  EXPECT_TRUE(rig.transport.Take(true).envelope.has_fetch());
+  rig.transport.SetFull(true);
+  for (int i = 0; i < 100; ++i) {
+    rig.Pass(30);
+    rig.transport.AwaitPoll();
+  }
+  rig.transport.SetFull(false);
+  for (int i = 0; i < 3; ++i) rig.transport.AwaitPoll();
+  // Those that waited, and a new one of each, as they were old.
+  EXPECT_GE(rig.transport.Waiting(), 2u);
+  EXPECT_LE(rig.transport.Waiting(), 4u);
+}
+
+TEST(Conversation, NoCoordinatorFillsTheLog) {
+  Rig rig(AddIndex);
+  rig.Begin(1000);
+  EXPECT_TRUE(rig.transport.Take(true).envelope.has_heartbeat());
+  wire::Message stray;
+  stray.envelope.mutable_hello();
+  for (int i = 0; i < 1000; ++i) {
+    rig.Give(stray);
+    rig.Give(WelcomeOf(1000));
+    rig.transport.Give({.kind = Event::kMalformed, .message = {}, .text = std::string(1 << 16, 'x')});
+    rig.Give(Event::kDisconnected);
+  }
+  rig.transport.AwaitPoll();
+  rig.Pass(6);
+  rig.Give(stray);
+  wire::Message refuse;
+  refuse.envelope.mutable_refuse()->set_reason(std::string(1 << 20, 'r'));
+  rig.Give(refuse);
+  EXPECT_EQ(rig.Join(), kExitRefused);
+  const std::string log = rig.log();
+  EXPECT_LT(log.size(), 10'000u) << "two long texts, cut";
+  EXPECT_LT(std::ranges::count(log, '\n'), 10);
+  EXPECT_NE(log.find("(and 999 more of this kind)"), std::string::npos) << log;
 }
 
 TEST(Conversation, ARefusalEndsItWithTheReason) {

@@ -24,7 +24,8 @@ Blob Sum(const Task& task, const Inputs& inputs, Progress& progress) {
 class Caprice {
  public:
   explicit Caprice(std::uint64_t seed)
-      : rng_(seed), rig_(Sum, [](WorkerOptions& o) { o.session.cache_bytes = 40; }) {
+      : rng_(seed),
+        rig_(Sum, [](WorkerOptions& o) { o.session.cache_bytes = 5 * BlobCache::Footprint(Number(0)); }) {
     for (int i = 0; i < 12; ++i) hashes_.push_back(rig_.Keep(Number(i * 1000)));
     rig_.Begin(1000);
   }

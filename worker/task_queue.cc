@@ -68,10 +68,32 @@ void TaskQueue::Add(wire::Assign assign) {
   changed_.notify_all();
 }
 
+// Nobody waits for its inputs any more.
+void TaskQueue::Forget(const TaskPtr& task) {
+  bool fewer = false;
+  const auto forget = [&](const Hash& hash) {
+    const auto it = waiting_.find(hash);
+    if (it == waiting_.end()) return;
+    std::erase(it->second, task);
+    if (!it->second.empty()) return;
+    waiting_.erase(it);
+    fewer = true;
+  };
+  for (const Hash& hash : task->lacking) forget(hash);
+  for (const Hash& hash : task->partials_asked) forget(hash);
+  if (fewer) std::erase_if(wants_, [this](const Want& want) { return !waiting_.contains(want.hash); });
+}
+
 void TaskQueue::Cancel(const wire::TaskKey& key) {
   const Lock lock(mutex_);
-  std::erase_if(queue_, [&key](const TaskPtr& task) { return SameAttempt(task->assign.key(), key); });
-  if (running_ && SameAttempt(running_->assign.key(), key)) running_->cancelled = true;
+  const auto is_it = [&key](const TaskPtr& task) { return SameAttempt(task->assign.key(), key); };
+  for (const TaskPtr& task : queue_)
+    if (is_it(task)) Forget(task);
+  std::erase_if(queue_, is_it);
+  if (running_ && is_it(running_)) {
+    running_->cancelled = true;
+    Forget(running_);
+  }
   changed_.notify_all();
 }
 
@@ -106,9 +128,12 @@ void TaskQueue::GiveUp(const Hash& hash) {
   changed_.notify_all();
 }
 
-std::vector<Want> TaskQueue::TakeWants() {
+std::optional<Want> TaskQueue::TakeWant() {
   const Lock lock(mutex_);
-  return std::exchange(wants_, {});
+  if (wants_.empty()) return std::nullopt;
+  const Want want = wants_.front();
+  wants_.pop_front();
+  return want;
 }
 
 std::vector<wire::Message> TaskQueue::TakeAnswers() {
@@ -132,6 +157,11 @@ wire::Heartbeat TaskQueue::Assigned() const {
 bool TaskQueue::Empty() const {
   const Lock lock(mutex_);
   return queue_.empty() && answers_.empty() && (!running_ || running_->cancelled);
+}
+
+std::size_t TaskQueue::Count() const {
+  const Lock lock(mutex_);
+  return queue_.size() + answers_.size() + (running_ && !running_->cancelled ? 1 : 0);
 }
 
 void TaskQueue::Close() {
@@ -162,6 +192,7 @@ BlobPtr TaskQueue::AwaitPartial(AssignedTask& task, std::size_t index) {
   Lock lock(mutex_);
   CAIRN_DEMAND(running_.get() == &task && index < task.partials.size(), "no such partial");
   const Hash hash = task.partials[index];
+  if (task.cancelled) throw Cancelled{};
   WantPartials(running_, index);
   if (!wants_.empty()) wake_();
   changed_.wait(lock,
@@ -178,6 +209,7 @@ void TaskQueue::Finish(const AssignedTask& task, wire::Message answer) {
   {
     const Lock lock(mutex_);
     CAIRN_DEMAND(running_.get() == &task, "another task runs");
+    Forget(running_);  // what it did without, or did not come to
     running_.reset();
     if (task.cancelled) return;
     answers_.push_back(std::move(answer));

@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -54,11 +55,12 @@ class TaskQueue {
   void Cancel(const wire::TaskKey& key);  // unknown keys are ignored
   void DropAll();                         // as if all were cancelled, and answers not yet taken too
   void Deliver(const wire::NamedBlob& named);
-  void GiveUp(const Hash& hash);  // the coordinator does not have it
-  std::vector<Want> TakeWants();  // those not taken before, in the order of need
+  void GiveUp(const Hash& hash);   // the coordinator does not have it
+  std::optional<Want> TakeWant();  // the next that was not taken before, in the order of need
   std::vector<wire::Message> TakeAnswers();
   wire::Heartbeat Assigned() const;  // running and waiting tasks with their ticks
   bool Empty() const;                // no task that is still wanted is assigned, and no answer waits
+  std::size_t Count() const;         // tasks that are assigned and still wanted, and answers that wait
   void Close();                      // Next returns null from now on; what runs is cancelled
 
   // ---- for the thread that computes ----
@@ -75,6 +77,7 @@ class TaskQueue {
   void WantInputs(const TaskPtr& task);
   void WantPartials(const TaskPtr& task, std::size_t first);
   void WantOne(const TaskPtr& task, const Hash& hash, bool keep);
+  void Forget(const TaskPtr& task);
 
   const std::function<void()> wake_;
   mutable std::mutex mutex_;
@@ -83,7 +86,7 @@ class TaskQueue {
   std::deque<TaskPtr> queue_;
   TaskPtr running_;
   std::map<Hash, std::vector<TaskPtr>> waiting_;  // blobs that have not come -> who needs them
-  std::vector<Want> wants_;
+  std::deque<Want> wants_;
   std::vector<wire::Message> answers_;
 };
 

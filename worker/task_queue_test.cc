@@ -35,6 +35,11 @@ wire::Assign AdvanceTask(const std::vector<wire::NamedBlob>& partials) {
 
 class TaskQueueTest : public ::testing::Test {
  protected:
+  std::vector<Want> TakeWants() {
+    std::vector<Want> wants;
+    while (const std::optional<Want> want = queue_.TakeWant()) wants.push_back(*want);
+    return wants;
+  }
   int woken_ = 0;
   TaskQueue queue_{[this] { ++woken_; }};
 };
@@ -44,9 +49,9 @@ TEST_F(TaskQueueTest, ABlobThatTwoTasksNeedIsWantedOnceAndReachesBoth) {
   const wire::NamedBlob b = BlobOf(2);
   queue_.Add(RunTask(0, {a, a}));
   queue_.Add(RunTask(1, {b, a}));
-  std::vector<Want> wants = queue_.TakeWants();
+  std::vector<Want> wants = TakeWants();
   ASSERT_EQ(wants.size(), 2u);
-  EXPECT_TRUE(queue_.TakeWants().empty());
+  EXPECT_TRUE(TakeWants().empty());
   queue_.Deliver(a);
   queue_.Deliver(b);
   for (const std::uint32_t index : {0u, 1u}) {
@@ -72,6 +77,32 @@ TEST_F(TaskQueueTest, ACancelledTaskNeverComesUpAndARunningOneGivesNoAnswer) {
   queue_.Finish(*running, {});
   EXPECT_EQ(queue_.Next()->assign.key().task(), 2u);
   EXPECT_TRUE(queue_.TakeAnswers().empty());
+}
+
+TEST_F(TaskQueueTest, OfWhatWasCancelledOrHasFailedNothingStays) {
+  const wire::NamedBlob shared = BlobOf(0);
+  queue_.Add(RunTask(0, {shared}));
+  for (int i = 1; i < 100; ++i) {
+    queue_.Add(RunTask(1, {shared, BlobOf(i)}));
+    queue_.Cancel(RunTask(1, {}).key());
+  }
+  EXPECT_EQ(queue_.Count(), 1u);
+  const std::vector<Want> wants = TakeWants();
+  ASSERT_EQ(wants.size(), 1u) << "of the task that is still there";
+  EXPECT_EQ(wants[0].hash, shared.hash);
+  queue_.Deliver(shared);
+  const TaskPtr first = queue_.Next();
+  EXPECT_EQ(first->blobs.size(), 1u);
+  queue_.Finish(*first, {});
+  EXPECT_EQ(queue_.Count(), 1u) << "its answer";
+  EXPECT_EQ(queue_.TakeAnswers().size(), 1u);
+
+  queue_.Add(AdvanceTask({BlobOf(1), BlobOf(2)}));
+  TaskPtr unread = queue_.Next();
+  EXPECT_EQ(unread.use_count(), 4) << "this one, the queue's, and one for each of the partials";
+  queue_.Finish(*unread, {});
+  EXPECT_EQ(unread.use_count(), 1);
+  EXPECT_TRUE(TakeWants().empty());
 }
 
 TEST_F(TaskQueueTest, AnotherAttemptAtTheSameTaskIsNotCancelled) {
@@ -107,7 +138,7 @@ TEST_F(TaskQueueTest, PartialsAreFetchedAFewAheadOfTheReader) {
   const TaskPtr task = queue_.Next();
   std::size_t wanted = 0;
   for (std::size_t i = 0; i < partials.size(); ++i) {
-    for (const Want& want : queue_.TakeWants()) {
+    for (const Want& want : TakeWants()) {
       EXPECT_FALSE(want.keep);
       ++wanted;
       queue_.Deliver(BlobOf(static_cast<int>(wanted - 1) % 40));
@@ -145,7 +176,7 @@ TEST_F(TaskQueueTest, DroppingAllForgetsAnswersTooAndClosingEndsTheWait) {
   queue_.Add(RunTask(1, {BlobOf(1)}));
   queue_.DropAll();
   EXPECT_TRUE(queue_.TakeAnswers().empty());
-  EXPECT_TRUE(queue_.TakeWants().empty());
+  EXPECT_TRUE(TakeWants().empty());
   EXPECT_EQ(queue_.Assigned().tasks_size(), 0);
   std::thread talker([&] { queue_.Close(); });
   EXPECT_EQ(queue_.Next(), nullptr);

@@ -1,5 +1,6 @@
 #include "worker/zmq_transport.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -8,6 +9,7 @@ namespace {
 
 // At most this many messages a call, so that heartbeats go out whatever comes in.
 constexpr int kMessagesAtOnce = 256;
+constexpr double kLongestPoll_s = 60;
 
 Event::Kind KindOf(wire::LinkEvent event) {
   switch (event) {
@@ -33,7 +35,8 @@ Result<std::unique_ptr<ZmqTransport>> ZmqTransport::Connect(
 }
 
 std::vector<Event> ZmqTransport::Poll(double timeout_s) {
-  poller_.Wait(std::chrono::milliseconds(static_cast<long>(std::ceil(timeout_s * 1000))));
+  const double wait_s = timeout_s > 0 ? std::min(timeout_s, kLongestPoll_s) : 0;  // NaN: 0
+  poller_.Wait(std::chrono::milliseconds(static_cast<long>(std::ceil(wait_s * 1000))));
   std::vector<Event> events;
   while (const std::optional<wire::LinkEvent> event = socket_.TryEvent()) {
     events.push_back({.kind = KindOf(*event), .message = {}, .text = {}});

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "schema/error.h"
+#include "schema/text.h"
 
 namespace cairn {
 namespace {
@@ -54,6 +56,13 @@ void RequireGrid(const GridBox& grid, double most_cells) {
   RequireWithin("a grid's columns", grid.columns, 1, kMost);
   RequireWithin("a grid's rows", grid.rows, 1, kMost);
   RequireWithin("a grid's cells", static_cast<double>(grid.cells()), 1.0, most_cells);
+}
+
+void RequireKind(const proto::Task& task, std::initializer_list<std::string_view> kinds) {
+  constexpr std::size_t kMostShown = 100;
+  if (std::ranges::find(kinds, task.kind()) != kinds.end()) return;
+  RefuseHandedOver(fmt::format("a task of the kind '{}', which this pipeline does not have",
+                               Printable(task.kind(), kMostShown)));
 }
 
 std::int64_t IntegerOf(const proto::Task& task, const std::string& name, std::int64_t least,

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
@@ -38,6 +39,9 @@ void RequireSize(std::string_view name, std::size_t size, std::size_t needed);
 void RequirePoses(std::string_view name, std::span<const Pose> poses, double most_m = kFar_m);
 // Of cells that one can count, at most `most_cells` of them.
 void RequireGrid(const GridBox& grid, double most_cells);
+
+// Of one of the kinds that the pipeline plans.
+void RequireKind(const proto::Task& task, std::initializer_list<std::string_view> kinds);
 
 // A parameter within [least, most].
 std::int64_t IntegerOf(const proto::Task& task, const std::string& name, std::int64_t least,

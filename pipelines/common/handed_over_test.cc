@@ -34,6 +34,14 @@ TEST(HandedOver, AGridIsOneThatCanBeCounted) {
     EXPECT_THROW(RequireGrid(grid, 20), InputError) << grid.columns << " by " << grid.rows;
 }
 
+TEST(HandedOver, ATaskIsOfAKindThatItsPipelineHas) {
+  proto::Task task;
+  task.set_kind("walls");
+  EXPECT_NO_THROW(RequireKind(task, {"pairs", "walls"}));
+  task.set_kind("wallsWALLS");
+  EXPECT_THROW(RequireKind(task, {"pairs", "walls"}), InputError);
+}
+
 TEST(HandedOver, AParameterIsThereAndWithinItsBounds) {
   proto::Task task;
   (*task.mutable_params())["own"].set_i(7);

@@ -200,7 +200,8 @@ Step EvidenceMap::Start(const Inputs& inputs) const {
   return step;
 }
 
-Blob EvidenceMap::Run(const Task&, const Inputs& inputs, Progress& progress) const {
+Blob EvidenceMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
+  RequireKind(task, {"counts"});
   RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"), *inputs.Get("log"));
   const GridBox grid = GridIn(inputs, options_);
   const bool cone = scans.opening_rad > 0;

@@ -160,6 +160,7 @@ Step ForwardMap::Start(const Inputs& inputs) const {
 }
 
 Blob ForwardMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
+  RequireKind(task, {"search", "certainty", "explain", "weigh"});
   const bool of_tile = task.kind() == "search" || task.kind() == "certainty";
   return of_tile ? RunTile(options_, task, inputs, progress) : RunScans(options_, task, inputs, progress);
 }

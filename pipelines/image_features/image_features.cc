@@ -101,7 +101,8 @@ Step ImageFeatures::Start(const Inputs& inputs) const {
   return step;
 }
 
-Blob ImageFeatures::Run(const Task&, const Inputs& inputs, Progress& progress) const {
+Blob ImageFeatures::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
+  RequireKind(task, {"features"});
   const BlobPtr images = inputs.Get("images");
   const Shape& shape = images->at("image").shape();
   RequireSize("the shape of images", shape.size(), 4);

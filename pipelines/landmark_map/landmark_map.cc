@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pipelines/common/fan_out.h"
+#include "pipelines/common/handed_over.h"
 #include "pipelines/landmark_map/candidates.h"
 #include "pipelines/landmark_map/em.h"
 #include "pipelines/landmark_map/estimate.h"
@@ -107,6 +108,7 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
 
 // That no path fits one of several starts is that start's affair.
 Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
+  RequireKind(task, {"incremental", "sum", "m_step", "guess", "forward", "backward"});
   if (!task.params().contains("start")) return RunTask(options_, task, inputs, progress);
   for (const proto::InputRef& input : task.inputs()) {
     if (input.has_task() && inputs.Get(input.name())->Has(kFailure)) return *inputs.Get(input.name());

@@ -136,6 +136,7 @@ Blob FollowAll(const Task& task, const Inputs& inputs, const Options& options, S
 }  // namespace
 
 Blob LocalMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
+  RequireKind(task, {"pairs", "walls", "traces", "follow"});
   if (task.kind() == "pairs") return MatchPairs(inputs, options_, progress);
   ScanReader scans(*inputs.Get("log"), *inputs.Get("rings"), *inputs.Get("rows"), options_.ring_beams);
   Blob partial;

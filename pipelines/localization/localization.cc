@@ -99,6 +99,7 @@ Step Localization::Start(const Inputs& inputs) const {
 
 Blob Localization::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
   progress.Tick();
+  RequireKind(task, {"map", "localize"});
   const Source source = Source::In(options_, inputs);
   const Poses poses = BeliefPositions(options_, source);
   if (task.kind() == "map") {

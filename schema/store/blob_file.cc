@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <limits>
 #include <mutex>
 
 #include "schema/store/atomic_file.h"
@@ -81,13 +82,20 @@ bool Wanted(const std::string& name, const ReadOptions& options) {
          std::ranges::none_of(options.without, begins);
 }
 
-Result<FileContents> ReadAll(const File& file, const std::string& name, const ReadOptions& options) {
+constexpr std::uint64_t kHoweverMuch = std::numeric_limits<std::uint64_t>::max();
+
+Result<FileContents> ReadAll(const File& file, const std::string& name, const ReadOptions& options,
+                             std::uint64_t most_bytes) {
   Result<std::vector<std::string>> names = store::DatasetNames(file.handle.get());
   if (!names.ok()) return Named(name, names.status());
   FileContents result{file.kind, file.format, {}, {}};
-  for (const std::string& dataset : names.value()) {
-    if (!Wanted(dataset, options)) continue;
-    Result<Array> array = store::ReadDataset(file.handle.get(), dataset);
+  std::vector<std::string>& wanted = names.value();
+  std::erase_if(wanted, [&](const std::string& dataset) { return !Wanted(dataset, options); });
+  if (most_bytes < kHoweverMuch)
+    if (const Status size = store::CheckUnpacked(file.handle.get(), wanted, most_bytes); !size.ok())
+      return Named(name, size);
+  for (const std::string& dataset : wanted) {
+    Result<Array> array = store::ReadDataset(file.handle.get(), dataset, most_bytes);
     if (!array.ok()) return Named(name, array.status());
     const Array& a = array.value();
     result.datasets.push_back({dataset, a.type(), a.item_bytes(), a.shape(), {}, 0});
@@ -132,7 +140,8 @@ Result<FileContents> store::ReadChecked(const std::filesystem::path& path, const
   if (!bytes.ok()) return bytes.status();
   const Result<File> file = Open(path, bytes.value());
   if (!file.ok()) return file.status();
-  Result<FileContents> contents = ReadAll(file.value(), path.string(), options);
+  Result<FileContents> contents =
+      ReadAll(file.value(), path.string(), options, store::MostUnpacked(bytes.value().size()));
   if (!contents.ok()) return contents;
   if (Status texts = CheckTexts(contents.value().blob); !texts.ok()) return Named(path.string(), texts);
   bool& changed = contents.value().changed;
@@ -153,7 +162,9 @@ Status store::ReadArraysInParts(const std::filesystem::path& path, const std::ve
   const Result<File> file = Open(path, bytes.value());
   if (!file.ok()) return file.status();
   for (const std::string& name : names)
-    if (Status status = store::ReadInParts(file.value().handle.get(), name, take); !status.ok())
+    if (Status status = store::ReadInParts(file.value().handle.get(), name,
+                                           store::MostUnpacked(bytes.value().size()), take);
+        !status.ok())
       return Named(path.string(), status);
   return Status::Ok();
 }
@@ -176,7 +187,7 @@ Result<BlobFile> ReadStoredFile(const std::filesystem::path& path) {
   const store::QuietErrors quiet;
   const Result<File> file = Open(path, bytes.value());
   if (!file.ok()) return file.status();
-  return AsBlobFile(ReadAll(file.value(), path.string(), {}));
+  return AsBlobFile(ReadAll(file.value(), path.string(), {}, kHoweverMuch));
 }
 
 Result<BlobFile> ReadBlobFileWithoutTruth(const std::filesystem::path& path, bool changed_too) {
@@ -211,7 +222,7 @@ Result<BlobFile> ReadBlobImage(std::span<const std::byte> image, const std::stri
   if (!file.handle.ok()) return Status(Code::kCorrupt, name + ": damaged: " + store::LastCause().text);
   status = store::ReadRoot(file.handle.get(), &file.format, &file.kind);
   if (!status.ok()) return Named(name, status);
-  return AsBlobFile(ReadAll(file, name, {}));
+  return AsBlobFile(ReadAll(file, name, {}, store::MostUnpacked(image.size())));
 }
 
 }  // namespace cairn

@@ -42,7 +42,8 @@ Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind,
 // kNotFound.
 // kCorrupt: not a Cairn file, truncated, a wrong checksum or checksum trailer, a checksum trailer that is
 // gone, data that would come from another file. kVersion: of a newer format. kBusy: locked by a program that
-// writes to it. kRefused: no regular file. kIo, also where there is not the memory to read it.
+// writes to it. kRefused: no regular file; arrays that take more than 2 GiB unpacked, and more than a hundred
+// times the file. kIo, also where there is not the memory to read it.
 Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptions& options = {});
 
 // A file of a store, which WriteBlobFile wrote: its checksum trailer is checked before HDF5 sees it, in this

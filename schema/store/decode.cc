@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <memory>
 
 #include "schema/array_form.h"
@@ -17,6 +18,8 @@ Status Corrupt(const std::string& message) { return {Code::kCorrupt, message}; }
 
 Status Damaged(const std::string& name) {
   const Hdf5Cause cause = LastCause();
+  if (cause.no_memory)
+    return {Code::kIo, "dataset '" + name + "': there is not the memory to read what it says that it holds"};
   return Corrupt("dataset '" + name +
                  "': " + (cause.in_a_filter ? "its checksum is wrong" : "damaged: " + cause.text));
 }
@@ -191,19 +194,54 @@ Handle MemoryType(const Open& open) {
   return text;
 }
 
-// Variable-width texts, as h5py writes them by default, become texts of the longest one's width.
-Result<Array> ReadVariableTexts(const Open& open, hid_t memory_type, std::size_t count) {
-  std::vector<char*> pointers(count, nullptr);
-  if (H5Dread(open.dataset.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0) {
-    return Damaged(open.info.name);
+Status TooMuch(const std::string& what, std::uint64_t most_bytes) {
+  return {Code::kRefused, what + " more than " + BytesText(most_bytes) +
+                              " unpacked, the larger of 2.1 GB and a hundred times its file: not read. Where "
+                              "it is right, `h5repack -f NONE` writes a copy that Cairn reads"};
+}
+
+// The memory of texts that HDF5 unpacks, as much as there may be.
+class TextMemory {
+ public:
+  explicit TextMemory(std::uint64_t most_bytes)
+      : left_(most_bytes), list_(H5Pcreate(H5P_DATASET_XFER), H5Pclose) {
+    H5Pset_vlen_mem_manager(list_.get(), Allocate, this, [](void*, void*) {}, nullptr);
   }
+  TextMemory(const TextMemory&) = delete;
+  TextMemory& operator=(const TextMemory&) = delete;
+  hid_t list() const { return list_.get(); }
+  bool full() const { return full_; }
+
+ private:
+  static void* Allocate(std::size_t bytes, void* data) {
+    constexpr std::size_t kBeside = 32;
+    TextMemory& memory = *static_cast<TextMemory*>(data);
+    memory.full_ = memory.full_ || bytes + kBeside > memory.left_;
+    if (memory.full_) return nullptr;
+    memory.left_ -= bytes + kBeside;
+    return memory.texts_.emplace_back(new std::byte[bytes]).get();
+  }
+  std::uint64_t left_;
+  bool full_ = false;
+  std::vector<std::unique_ptr<std::byte[]>> texts_;
+  Handle list_;
+};
+
+// Variable-width texts, as h5py writes them by default, become texts of the longest one's width.
+Result<Array> ReadVariableTexts(const Open& open, hid_t memory_type, std::size_t count,
+                                std::uint64_t most_bytes) {
+  const std::string what = "dataset '" + open.info.name + "': its texts take";
+  std::vector<char*> pointers(count, nullptr);
+  TextMemory memory(most_bytes);
+  if (H5Dread(open.dataset.get(), memory_type, H5S_ALL, H5S_ALL, memory.list(), pointers.data()) < 0)
+    return memory.full() ? TooMuch(what, most_bytes) : Damaged(open.info.name);
   std::size_t width = 1;
   for (const char* text : pointers) width = std::max(width, text == nullptr ? 0 : std::strlen(text));
+  if (count > 0 && width > most_bytes / count) return TooMuch(what, most_bytes);
   std::vector<std::byte> bytes(width * count);
   for (std::size_t i = 0; i < count; ++i) {
     if (pointers[i] != nullptr) std::memcpy(bytes.data() + i * width, pointers[i], std::strlen(pointers[i]));
   }
-  H5Dvlen_reclaim(memory_type, open.space.get(), H5P_DEFAULT, pointers.data());
   return Array::FromBytes(DType::kText, width, open.info.shape, bytes);
 }
 
@@ -306,14 +344,31 @@ Result<DatasetInfo> DescribeDataset(hid_t file, const std::string& name) {
   return std::move(open).value().info;
 }
 
-Result<Array> ReadDataset(hid_t file, const std::string& name) {
+std::uint64_t MostUnpacked(std::uint64_t file_bytes) {
+  constexpr std::uint64_t kLeast = std::uint64_t{2} << 30, kTimes = 100;
+  return std::max(kLeast, std::min(file_bytes, std::numeric_limits<std::uint64_t>::max() / kTimes) * kTimes);
+}
+
+Status CheckUnpacked(hid_t file, const std::vector<std::string>& names, std::uint64_t most_bytes) {
+  std::uint64_t left = most_bytes;
+  for (const std::string& name : names) {
+    const Result<Open> open = OpenDataset(file, name);
+    if (!open.ok()) return open.status();
+    const std::uint64_t bytes = BytesOf(open.value().info);
+    if (bytes > left) return TooMuch("its arrays take", most_bytes);
+    left -= bytes;
+  }
+  return Status::Ok();
+}
+
+Result<Array> ReadDataset(hid_t file, const std::string& name, std::uint64_t most_bytes) {
   const Result<Open> opened = OpenDataset(file, name);
   if (!opened.ok()) return opened.status();
   const Open& open = opened.value();
   std::size_t count = 1;
   for (const std::int64_t n : open.info.shape) count *= static_cast<std::size_t>(n);
   const Handle type = MemoryType(open);
-  if (open.variable_text) return ReadVariableTexts(open, type.get(), count);
+  if (open.variable_text) return ReadVariableTexts(open, type.get(), count, most_bytes);
   const std::size_t size = count * open.info.item_bytes;
   // The array's own: it may be most of the memory.
   const std::shared_ptr<std::byte> bytes = AlignedBytes(size);
@@ -323,7 +378,7 @@ Result<Array> ReadDataset(hid_t file, const std::string& name) {
   return Array::Over(open.info.type, open.info.item_bytes, open.info.shape, {bytes.get(), size}, bytes);
 }
 
-Status ReadInParts(hid_t file, const std::string& name,
+Status ReadInParts(hid_t file, const std::string& name, std::uint64_t most_bytes,
                    const std::function<bool(std::span<const std::byte>)>& take) {
   constexpr std::size_t kPartBytes = std::size_t{1} << 20;
   const Status refused(Code::kIo, "dataset '" + name + "': nobody takes it");
@@ -331,7 +386,7 @@ Status ReadInParts(hid_t file, const std::string& name,
   if (!opened.ok()) return opened.status();
   const Shape shape = opened.value().info.shape;
   if (opened.value().variable_text || shape.empty() || BytesOf(opened.value().info) <= kPartBytes) {
-    const Result<Array> whole = ReadDataset(file, name);
+    const Result<Array> whole = ReadDataset(file, name, most_bytes);
     if (!whole.ok()) return whole.status();
     return take(whole.value().bytes()) ? Status::Ok() : refused;
   }

@@ -5,7 +5,9 @@
 
 #include <hdf5.h>
 
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,11 +27,20 @@ bool IsMarkedWithTrailer(hid_t file);
 Result<std::vector<std::string>> DatasetNames(hid_t file);
 
 Result<DatasetInfo> DescribeDataset(hid_t file, const std::string& name);
-Result<Array> ReadDataset(hid_t file, const std::string& name);
+// What the arrays of a file may take once they are unpacked: the larger of 2 GiB and a hundred times the
+// file. A few megabytes of deflate are as many gigabytes as their maker likes; a copy that is not deflated
+// may have any size.
+std::uint64_t MostUnpacked(std::uint64_t file_bytes);
+// kRefused where those arrays take more.
+Status CheckUnpacked(hid_t file, const std::vector<std::string>& names, std::uint64_t most_bytes);
+// kRefused also where its texts alone take more than `most_bytes`: of texts of variable width, which may all
+// be one and the same in the file, that is not known before.
+Result<Array> ReadDataset(hid_t file, const std::string& name,
+                          std::uint64_t most_bytes = std::numeric_limits<std::uint64_t>::max());
 // Its elements, row-major, in parts of about a MiB, which `take` may refuse (kIo). Beside them memory holds
 // as many chunks as such a part touches: of Cairn's own files a few MiB, of one that is a single chunk all of
 // it.
-Status ReadInParts(hid_t file, const std::string& name,
+Status ReadInParts(hid_t file, const std::string& name, std::uint64_t most_bytes,
                    const std::function<bool(std::span<const std::byte>)>& take);
 
 }  // namespace cairn::store

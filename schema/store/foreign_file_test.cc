@@ -1,6 +1,7 @@
 // Files of strangers: nothing but what is in them is read, and nobody waits for ever.
 #include <gtest/gtest.h>
 #include <hdf5.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -10,7 +11,9 @@
 #include <fstream>
 
 #include "schema/store/blob_file.h"
+#include "schema/store/checked_file.h"
 #include "schema/store/checksum_trailer.h"
+#include "schema/store/decode.h"
 #include "schema/store/hdf5_handle.h"
 #include "schema/store/regular_file.h"
 #include "schema/store/testing.h"
@@ -80,6 +83,113 @@ TEST_F(ForeignFile, AChunkFarLargerThanItsDatasetIsNotUnpacked) {
     ASSERT_TRUE(data.ok());
   }
   ExpectRefused("dataset 'robots': its chunks are far larger than it");
+}
+
+// Zeros, of which 16 MiB are 16 kB deflated: one chunk, written again and again.
+TEST_F(ForeignFile, WhatUnpacksToGigabytesIsRefusedBeforeItIsUnpacked) {
+  constexpr hsize_t kChunk = hsize_t{16} << 20;
+  const std::vector<std::uint8_t> zeros(kChunk);
+  std::vector<std::byte> packed;
+  for (const char* name : {"zeros/a", "zeros/b", "zeros/c"}) {
+    const hsize_t size = 44 * kChunk;  // of three of them more than 2 GiB
+    const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+    const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose),
+        links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+    H5Pset_chunk(creation.get(), 1, &kChunk);
+    H5Pset_deflate(creation.get(), 9);
+    H5Pset_create_intermediate_group(links.get(), 1);
+    const Handle data(
+        H5Dcreate2(file_.get(), name, H5T_STD_U8LE, space.get(), links.get(), creation.get(), H5P_DEFAULT),
+        H5Dclose);
+    ASSERT_TRUE(data.ok());
+    hsize_t at = 0, bytes = 0;
+    if (packed.empty()) {
+      const Handle memory(H5Screate_simple(1, &kChunk, nullptr), H5Sclose);
+      H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, &at, nullptr, &kChunk, nullptr);
+      ASSERT_GE(H5Dwrite(data.get(), H5T_STD_U8LE, memory.get(), space.get(), H5P_DEFAULT, zeros.data()), 0);
+      H5Dflush(data.get());
+      H5Dget_chunk_storage_size(data.get(), &at, &bytes);
+      std::uint32_t filters = 0;
+      packed.resize(bytes);
+      ASSERT_GE(H5Dread_chunk(data.get(), H5P_DEFAULT, &at, &filters, packed.data()), 0);
+    }
+    for (; at < size; at += kChunk)
+      ASSERT_GE(H5Dwrite_chunk(data.get(), H5P_DEFAULT, 0, &at, packed.size(), packed.data()), 0);
+  }
+  file_.Close();
+  ASSERT_LT(std::filesystem::file_size(path_), 4'000'000u);
+  for (const Status& status :
+       {ReadBlobFileWithoutTruth(path_, true).status(), ReadBlobImage(Bytes(path_), path_).status()}) {
+    EXPECT_EQ(status.code(), Code::kRefused);
+    EXPECT_NE(status.message().find("its arrays take more than 2.1 GB unpacked"), std::string::npos)
+        << status.message();
+  }
+  EXPECT_TRUE(ReadBlobFile(path_, {.only = {"types/"}, .without = {}, .changed_too = true}).ok());
+  EXPECT_TRUE(ListBlobFile(path_).ok());
+}
+
+#ifndef CAIRN_SANITIZED
+// A chunk is unpacked beside the array that it goes into: here there is memory for one of the two.
+TEST_F(ForeignFile, ForWantOfMemoryItIsNotCalledDamaged) {
+  constexpr hsize_t kSize = hsize_t{64} << 20;
+  {
+    const Handle space(H5Screate_simple(1, &kSize, nullptr), H5Sclose);
+    const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_chunk(creation.get(), 1, &kSize);
+    H5Pset_deflate(creation.get(), 1);
+    const Handle data(
+        H5Dcreate2(file_.get(), "zeros", H5T_STD_U8LE, space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
+        H5Dclose);
+    const std::vector<std::uint8_t> zeros(kSize);
+    ASSERT_GE(H5Dwrite(data.get(), H5T_STD_U8LE, H5S_ALL, H5S_ALL, H5P_DEFAULT, zeros.data()), 0);
+  }
+  file_.Close();
+  const Status status =
+      store::InChild(path_, [&] {
+        std::ifstream self("/proc/self/statm");
+        rlim_t pages = 0;
+        self >> pages;
+        const rlim_t most = pages * static_cast<rlim_t>(::getpagesize()) + 2 * kSize - (kSize >> 2);
+        const rlimit limit{most, most};
+        ::setrlimit(RLIMIT_AS, &limit);
+        return store::ReadChecked(path_, {.only = {"zeros"}, .without = {}, .changed_too = true});
+      }).status();
+  EXPECT_EQ(status.code(), Code::kIo) << status.message();
+  EXPECT_NE(status.message().find("dataset 'zeros': there is not the memory"), std::string::npos)
+      << status.message();
+}
+#endif
+
+// As many texts as one likes may be one and the same in the file, which HDF5 unpacks one by one.
+TEST_F(ForeignFile, TextsThatUnpackToMoreThanTheyMayAreRefusedOnTheWay) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), H5T_VARIABLE);
+  const auto make = [&](const char* name, hsize_t size) {
+    const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+    const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_chunk(creation.get(), 1, &size);
+    return Handle(
+        H5Dcreate2(file_.get(), name, type.get(), space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
+        H5Dclose);
+  };
+  constexpr std::size_t kReference = 16, kTexts = 1000;
+  const std::string text(30'000, 'x');
+  const char* const pointer = text.c_str();
+  const Handle many = make("many", kTexts), one = make("one", 1);
+  ASSERT_GE(H5Dwrite(one.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, &pointer), 0);
+  H5Dflush(one.get());
+  const hsize_t at = 0;
+  std::uint32_t filters = 0;
+  std::vector<std::byte> reference(kReference), references;
+  ASSERT_GE(H5Dread_chunk(one.get(), H5P_DEFAULT, &at, &filters, reference.data()), 0);
+  for (std::size_t i = 0; i < kTexts; ++i)
+    references.insert(references.end(), reference.begin(), reference.end());
+  ASSERT_GE(H5Dwrite_chunk(many.get(), H5P_DEFAULT, 0, &at, references.size(), references.data()), 0);
+  EXPECT_TRUE(store::ReadDataset(file_.get(), "many", 40'000'000).ok());
+  const Status status = store::ReadDataset(file_.get(), "many", 20'000'000).status();
+  EXPECT_EQ(status.code(), Code::kRefused);
+  EXPECT_NE(status.message().find("dataset 'many': its texts take more than 20.0 MB"), std::string::npos)
+      << status.message();
 }
 
 TEST_F(ForeignFile, AVirtualDatasetBringsNoOtherFileIn) {

@@ -79,6 +79,15 @@ int KeepOnly(int pipe) {
   return ::close_range(kFirst + 1, ~0U, 0) == 0 ? kFirst : -1;
 }
 
+std::uint64_t FileBytes(const std::filesystem::path& path) {
+  std::error_code unknown;
+  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  return unknown ? 0 : size;
+}
+
+// Of the processor's time.
+rlim_t MostSeconds(std::uint64_t file_bytes) { return 10 + file_bytes / 4'000'000; }
+
 [[noreturn]] void BeChild(int pipe, pid_t parent, std::uint64_t file_bytes,
                           const std::function<bool(FILE*)>& write) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -87,7 +96,7 @@ int KeepOnly(int pipe) {
   pipe = KeepOnly(pipe);
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);
-  const rlim_t seconds = 10 + file_bytes / 4'000'000;
+  const rlim_t seconds = MostSeconds(file_bytes);
   const rlimit cpu{seconds, seconds + 5};
   ::setrlimit(RLIMIT_CPU, &cpu);
   // What the C library says of a heap that HDF5 has damaged is for nobody.
@@ -186,7 +195,12 @@ bool IsCrash(int signal) {
 Status BrokeOff(const std::filesystem::path& path, int wait_status) {
   const int signal = WIFSIGNALED(wait_status) ? WTERMSIG(wait_status) : 0;
   if (signal == SIGXCPU)
-    return {Code::kCorrupt, path.string() + ": damaged; HDF5 comes to no end reading it"};
+    return {Code::kRefused,
+            path.string() + ": not read: it takes more than the " +
+                std::to_string(MostSeconds(FileBytes(path))) +
+                " s of the processor's time that a file of its size may take. It is damaged, or "
+                "made so; where this machine is only slow, `h5repack -f NONE` writes a copy that "
+                "takes less"};
   if (signal == 0 || IsCrash(signal))
     return {Code::kCorrupt, path.string() + ": damaged; HDF5 crashed while reading it"};
   std::string text =
@@ -216,14 +230,13 @@ struct Started {
 Result<Started> Start(const std::filesystem::path& path, const std::function<bool(FILE*)>& write) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return SystemFailure(path, "cannot make a pipe", errno);
-  std::error_code unknown;
-  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  const std::uint64_t size = FileBytes(path);
   const pid_t parent = ::getpid();
   pid_t child = 0;
   {
     const std::lock_guard lock(LibraryMutex());  // no other thread is inside HDF5 when the child begins
     child = ::fork();
-    if (child == 0) BeChild(ends[1], parent, unknown ? 0 : size, write);
+    if (child == 0) BeChild(ends[1], parent, size, write);
   }
   ::close(ends[1]);
   Stream in(::fdopen(ends[0], "rb"));

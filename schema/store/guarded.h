@@ -26,9 +26,9 @@ struct FileContents {
   std::vector<std::string> remarks = {};  // for people
 };
 
-// Runs `read` in a child, and brings back what it gives. kCorrupt names the file where HDF5 crashes, or
-// computes for longer than a file of this size can need; kIo where somebody ends it, as the system does for
-// want of memory.
+// Runs `read` in a child, and brings back what it gives. kCorrupt names the file where HDF5 crashes, kRefused
+// where it computes for longer than a file of this size may take; kIo where somebody ends it, as the system
+// does for want of memory.
 Result<FileContents> InChild(const std::filesystem::path& path,
                              const std::function<Result<FileContents>()>& read);
 

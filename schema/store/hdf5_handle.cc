@@ -16,6 +16,8 @@ herr_t Visit(unsigned, const H5E_error2_t* error, void* data) {
   auto* cause = static_cast<Hdf5Cause*>(data);
   cause->text = error->desc == nullptr ? "" : error->desc;
   cause->in_a_filter = cause->in_a_filter || error->maj_num == H5E_PLINE;
+  cause->no_memory = cause->no_memory || (error->maj_num == H5E_RESOURCE &&
+                                          (error->min_num == H5E_NOSPACE || error->min_num == H5E_CANTALLOC));
   return 0;
 }
 

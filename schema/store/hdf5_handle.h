@@ -64,6 +64,7 @@ class QuietErrors {
 struct Hdf5Cause {
   std::string text;          // the innermost description
   bool in_a_filter = false;  // a checksum or a decompression failed
+  bool no_memory = false;    // the system gave none
 };
 Hdf5Cause LastCause();
 

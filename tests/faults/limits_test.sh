@@ -20,6 +20,12 @@ says 'lets this process open 16 files at a time'
 refuses 'lets a file of this process grow to 8 KiB.*ulimit -f' limited -f 8 cairn run landmark_map log.h5 --out a
 refuses 'lets a file of this process grow to 8 KiB.*ulimit -f' limited -f 8 cairn coordinator
 refuses 'gives this process memory up to 250 MiB.*ulimit -v' limited -v 256000 cairn coordinator
+for command in "cairn run landmark_map log.h5 --out a" "cairn inspect log.h5" "cairn coordinator" "cairn list"; do
+  # shellcheck disable=SC2086
+  refuses 'threads grow to 64 KiB here, and it needs 1 MiB.*ulimit -s' limited -s 64 $command
+done
+exits 2 limited -s 64 cairn-worker --connect "$endpoint"
+says 'threads grow to 64 KiB here'
 exits 1 limited -f 8 cairn simulate loop long.h5 --seed 1
 says 'no file may grow so large here \(ulimit -f\)'
 mkdir pictures

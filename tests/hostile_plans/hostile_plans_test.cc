@@ -288,6 +288,18 @@ std::string KindOf(const proto::Step& plan, const InputMap& inputs) {
   return kind;
 }
 
+// A kind that no pipeline has; in words, and not as a mistake in the code.
+void ExpectKindRefused(const Pipeline& pipeline, Task task, const Inputs& inputs) {
+  NoProgress progress;
+  task.set_kind("tidy_up");
+  try {
+    pipeline.Run(task, inputs, progress);
+    ADD_FAILURE() << "a task of the kind 'tidy_up' is done";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("'tidy_up'"), std::string::npos) << error.what();
+  }
+}
+
 class HostilePlans : public ::testing::TestWithParam<Case> {};
 
 TEST_P(HostilePlans, AStepIsComputedOrFailsAndItsProcessLivesOn) {
@@ -307,6 +319,7 @@ TEST_P(HostilePlans, AStepIsComputedOrFailsAndItsProcessLivesOn) {
       Handed real{{task.params().begin(), task.params().end()}, {}};
       for (const proto::InputRef& ref : task.inputs()) real.inputs[ref.name()] = InputOf(ref, store, done);
       if (seen.insert(task.kind() + NamesIn(real.inputs)).second) {
+        ExpectKindRefused(*pipeline, task, MapInputs(real.inputs));
         tried.All("task " + task.kind(), real, [&](const Handed& handed, Progress& ticks) {
           Task changed = task;
           changed.mutable_params()->clear();

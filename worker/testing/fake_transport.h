@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <mutex>
 #include <vector>
@@ -16,9 +17,12 @@ class FakeTransport : public Transport {
   // ---- for the worker ----
   std::vector<Event> Poll(double timeout_s) override {
     std::unique_lock lock(mutex_);
+    ++polls_;
+    polling_ = true;
+    changed_.notify_all();
     changed_.wait_for(lock, std::chrono::duration<double>(timeout_s),
                       [this] { return woken_ || !in_.empty(); });
-    woken_ = false;
+    polling_ = woken_ = false;
     return std::exchange(in_, {});
   }
   bool Send(const wire::Message& message) override {
@@ -44,6 +48,18 @@ class FakeTransport : public Transport {
     const std::lock_guard lock(mutex_);
     full_ = full;
   }
+  // Until the worker has worked off what was given, and was woken up for, so far.
+  void AwaitPoll() {
+    std::unique_lock lock(mutex_);
+    const std::uint64_t enough = polls_ + (polling_ ? 1 : 2);
+    woken_ = true;
+    changed_.notify_all();
+    changed_.wait(lock, [&] { return polls_ >= enough; });
+  }
+  std::size_t Waiting() {
+    const std::lock_guard lock(mutex_);
+    return out_.size();
+  }
   // The next message that the worker sends; waits for it. Heartbeats are passed over unless they are asked
   // for.
   wire::Message Take(bool heartbeats = false) {
@@ -62,6 +78,8 @@ class FakeTransport : public Transport {
   std::condition_variable changed_;
   bool woken_ = false;
   bool full_ = false;
+  bool polling_ = false;
+  std::uint64_t polls_ = 0;
   std::vector<Event> in_;
   std::deque<wire::Message> out_;
 };

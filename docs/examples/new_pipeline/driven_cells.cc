@@ -48,6 +48,7 @@ GridBox GridIn(const Options& options, const Inputs& inputs) {
 }  // namespace
 
 Blob DrivenCells::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
+  RequireKind(task, {"drive"});
   const GridBox grid = GridIn(options_, inputs);
   const Blob poses = inputs.Get("scan poses")->Sub(task.params().at("sensor").s());
   const auto x = poses.Get<double>("x_m"), y = poses.Get<double>("y_m");

@@ -187,6 +187,8 @@ Blob FitTask(const Options& options, const TrainingData& data, const Parameters<
 Blob RunTask(const Options& options, std::uint64_t seed, const Task& task, const Inputs& inputs,
              Progress& progress) {
   progress.Tick();
+  RequireKind(task,
+              {"pairs", "search", "gradient", "output_gradient", "outputs", "weights", "fit", "validate"});
   const auto [data, sum] = DataIn(options, inputs);
   const NetworkShape shape = ShapeOf(options, data.mean.size());
   if (task.kind() == "pairs") return PairsTask(options, sum, data, *inputs.Get("outputs"), task);
@@ -198,7 +200,6 @@ Blob RunTask(const Options& options, std::uint64_t seed, const Task& task, const
   if (task.kind() == "weights")
     return WeightsTask(data, all, *inputs.Get("gradient"), NoiseOf(options, seed, task), task);
   if (task.kind() == "fit") return FitTask(options, data, all, inputs, task, progress);
-  CAIRN_DEMAND(task.kind() == "validate", "a kind of task that is planned");
   Blob partial;
   partial.PutScalar("validation", ErrorOfBlock(options, data.held_out, data.training, NetworksOf(all, task),
                                                BlockOf(task, data.held_out)));
