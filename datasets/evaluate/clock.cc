@@ -53,8 +53,9 @@ std::vector<double> ShiftsToTry(const std::vector<TrackAndTruth>& robots, bool s
 }  // namespace
 
 std::string OtherClock::Text() const {
-  return fmt::format("with the truth's times moved by {:.2f} s the paths would be {:.3f} m off: is its clock another?",
-                     shift_s, rmse_m);
+  return fmt::format(
+      "with the truth's times moved by {:.2f} s the paths would be {:.3f} m off: is its clock another?",
+      shift_s, rmse_m);
 }
 
 std::optional<OtherClock> FindOtherClock(const std::vector<TrackAndTruth>& robots) {

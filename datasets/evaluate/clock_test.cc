@@ -16,7 +16,8 @@ Track WayBy(double clock_s, double step_s, double off_m = 0) {
   for (int i = 0; i * step_s <= 400; ++i) {
     const double t = i * step_s;
     track.time_s.push_back(t + clock_s);
-    track.poses.push_back({10 * std::sin(t / 37) + t / 20 + off_m * std::sin(50 * t), 7 * std::sin(t / 23), 0});
+    track.poses.push_back(
+        {10 * std::sin(t / 37) + t / 20 + off_m * std::sin(50 * t), 7 * std::sin(t / 23), 0});
   }
   return track;
 }
