@@ -34,3 +34,10 @@ grep -qF "$said" "$CAIRN_SOURCE/docs/my-own-log.md" || die "the tutorial shows a
 exits 0 cairn import csv --units-are-right --odometry shown1.csv --observations degrees.csv degrees.h5
 sed '1s/bearing_rad/bearing_deg/' degrees.csv >said.csv
 exits 0 cairn import csv --odometry shown1.csv --observations said.csv said.h5
+
+# A hole in the odometry is said where the log is made, and where a map is made of it.
+awk -F, 'NR == 1 || $1 < 60 || $1 > 100' odometry.csv >hole.csv
+exits 0 cairn import csv --odometry hole.csv --observations observations.csv hole.h5
+says "^cairn: warning: robot 'robot 0': its odometry lacks 40.* s from .* some [0-9]+ m are missing"
+exits 0 cairn run landmark_map hole.h5 --dry-run
+says "^cairn: warning: hole.h5: robot 'robot 0': its odometry lacks 40"

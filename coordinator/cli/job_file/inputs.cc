@@ -1,6 +1,7 @@
 #include "coordinator/cli/job_file/inputs.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <memory>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include "coordinator/cli/common/result_file.h"
 #include "datasets/common/unit_doubts.h"
 #include "schema/kinds/kind.h"
+#include "schema/kinds/odometry_holes.h"
 #include "schema/store/blob_file.h"
 #include "schema/store/blob_stream.h"
 
@@ -51,6 +53,12 @@ void Accept(const proto::Job& job, const std::string& name, const JobInput& inpu
   if (!doubts.empty()) CheckUnits(input.where + ": " + input.path + ": ", doubts);
 }
 
+// Whoever imported the log was told so, and may be another, or long ago.
+void WarnOfHoles(const std::string& path, const Blob& log) {
+  for (const std::string& hole : OdometryHolesOf(log))
+    std::fprintf(stderr, "cairn: warning: %s: %s\n", path.c_str(), hole.c_str());
+}
+
 class FileBytes : public coordinator::InputBytes {
  public:
   static Result<std::unique_ptr<coordinator::InputBytes>> Open(const std::string& path,
@@ -85,6 +93,7 @@ std::map<std::string, BlobPtr> ReadJobInputs(ParsedJob& parsed, bool units_are_r
     const std::string& kind = file.value().kind;
     Accept(parsed.job, name, input, kind, file.value().changed,
            units_are_right ? Doubts() : DoubtsOf(kind, file.value().blob));
+    if (kind == "log") WarnOfHoles(input.path, file.value().blob);
     auto blob = std::make_shared<const Blob>(std::move(file).value().blob);
     (*parsed.job.mutable_input_blobs())[name] = blob->ContentHash().Binary();
     blobs[name] = std::move(blob);
