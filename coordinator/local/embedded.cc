@@ -147,7 +147,7 @@ Status Run::Clear() {
 
 // The new run has a result: what it replaces goes, all together, with the pictures that were made of it.
 void Run::RemoveReplaced() {
-  if (Known()->stage == 0 || !fs::exists(ReplacedFile())) return;
+  if (Known()->stage == 0 || !fs::exists(ReplacedFile()) || !folder_.IsStillThere().ok()) return;
   std::set<std::string> stages = ReadStages(ReplacedFile());
   std::vector<fs::path> files;
   for (const char* page : {"map.png", "picture.png", "report.html"}) {

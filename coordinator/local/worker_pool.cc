@@ -21,9 +21,15 @@ constexpr int kExitCannotExec = 126;
 
 }  // namespace
 
+WorkerPool::~WorkerPool() {
+  End(0);
+  if (log_ >= 0) ::close(log_);
+}
+
 Status WorkerPool::Start() {
   if (::access(options_.program.c_str(), X_OK) != 0)
     return {Code::kNotFound, options_.program + ": " + std::strerror(errno)};
+  log_ = ::open(options_.log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0600);
   places_.resize(static_cast<std::size_t>(std::max(1, options_.workers)));
   for (Place& place : places_) {
     const Result<pid_t> pid = Spawn();
@@ -43,7 +49,6 @@ Result<pid_t> WorkerPool::Spawn() const {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  const char* log_file = options_.log_file.c_str();
   const pid_t parent = ::getpid();
   const pid_t pid = ::fork();
   if (pid < 0) return Status(Code::kIo, std::string("cannot start a worker: ") + std::strerror(errno));
@@ -52,10 +57,9 @@ Result<pid_t> WorkerPool::Spawn() const {
   if (::getppid() != parent) ::_exit(kExitCannotExec);  // it died before that took hold
   if (inputs_fd >= 0) ::fcntl(inputs_fd, F_SETFD, 0);
   ::setpgid(0, 0);  // Ctrl-C on the terminal is for the parent, which ends its workers in good order
-  const int log = ::open(log_file, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW, 0600);
-  if (log >= 0) {
-    ::dup2(log, STDOUT_FILENO);
-    ::dup2(log, STDERR_FILENO);
+  if (log_ >= 0) {
+    ::dup2(log_, STDOUT_FILENO);
+    ::dup2(log_, STDERR_FILENO);
   }
   ::execv(arguments[0], arguments.data());
   ::_exit(kExitCannotExec);

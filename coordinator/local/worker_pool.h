@@ -25,11 +25,12 @@ struct WorkerPoolOptions {
 class WorkerPool {
  public:
   explicit WorkerPool(WorkerPoolOptions options) : options_(std::move(options)) {}
-  ~WorkerPool() { End(0); }
+  ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  // kNotFound, kIo: they cannot be started.
+  // kNotFound, kIo: they cannot be started. The file for what they say is opened once: it stays the one that
+  // it is, whatever becomes of its name.
   Status Start();
   struct Death {
     std::int64_t pid = 0;
@@ -51,6 +52,7 @@ class WorkerPool {
   Result<pid_t> Spawn() const;
 
   const WorkerPoolOptions options_;
+  int log_ = -1;  // file descriptor
   std::vector<Place> places_;
 };
 

@@ -211,6 +211,7 @@ Status UploadFiles::Do(const WritePiece& piece) {
 Status UploadFiles::Do(const CloseUpload& close) {
   File file = std::move(files_.extract(close.id).mapped());
   if (!close.whole || !file.writer) return file.status;
+  if (const Status there = folder_.IsStillThere(); !there.ok()) return there;
   return file.writer->Publish(folder_.FlatFile(close.hash));
 }
 

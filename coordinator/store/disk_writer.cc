@@ -122,7 +122,7 @@ DiskDone DiskWriter::Do(const WriteCheckpointWork& work) {
   std::uint64_t bytes = BytesOf(work.blobs);
   for (const ResultToWrite& result : work.results) bytes += result.blob->ByteCount();
   // A record alone always fits, and so does what a cancelled job leaves: it makes room.
-  done.status = folder_.IsStillThere();
+  done.status = folder_.MayWriteCheckpoints(checkpoint.job_id());
   if (done.status.ok() && bytes > 0 && checkpoint.state() != proto::JOB_CANCELLED)
     done.status = use_.Reserve(bytes);
   if (done.status.ok()) done.status = files_.Write(work.blobs, done.written);
@@ -167,12 +167,19 @@ void DiskWriter::RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const
 
 DiskDone DiskWriter::Do(const WriteServedWork& work) const {
   DiskDone done;
-  done.status = WriteServed(folder_.ServedFile(), work.served_s);
+  done.status = folder_.IsStillThere();
+  if (done.status.ok()) done.status = WriteServed(folder_.ServedFile(), work.served_s);
   return done;
 }
 
 // Between two writes, so that nothing is half-written.
 DiskDone DiskWriter::Do(const CleanWork& work) const {
+  if (const Status there = folder_.IsStillThere(); !there.ok()) {
+    DiskDone refused;
+    refused.asker = work.asker;
+    refused.answer.set_message(there.message());
+    return refused;
+  }
   const Cleaned cleaned =
       CleanStore(folder_, work.options, [this](const fs::path& pack) { return files_.InPack(pack); });
   files_.ForgetGonePacks();
@@ -195,7 +202,7 @@ DiskDone DiskWriter::Do(const ForgetWork& work) {
 }
 
 DiskDone DiskWriter::Do(const RemoveBlobsWork& work) {
-  files_.Remove(work.hashes);
+  if (folder_.IsStillThere().ok()) files_.Remove(work.hashes);
   return {};
 }
 

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <fstream>
@@ -24,6 +25,18 @@ constexpr const char* kGone = ".deleted";  // a job's folder of checkpoints, onc
 
 Status ALink(const fs::path& path) {
   return {Code::kRefused, path.string() + " is a link; a store keeps what it needs in its own folder"};
+}
+
+// Of what has this name, not of what a link leads to.
+std::pair<std::uint64_t, std::uint64_t> IdOf(const fs::path& path) {
+  struct stat named{};
+  if (::lstat(path.c_str(), &named) != 0) return {};
+  return {named.st_dev, named.st_ino};
+}
+
+bool IsALink(const fs::path& path) {
+  std::error_code error;
+  return fs::is_symlink(fs::symlink_status(path, error));
 }
 
 // Whoever hands on a store must not choose which of the next person's files are written or removed. Where the
@@ -73,8 +86,10 @@ Result<StoreFolder> StoreFolder::OpenAsItIs(const fs::path& dir) {
   return folder;
 }
 
+StoreFolder::StoreFolder(fs::path dir, int lock) : dir_(std::move(dir)), lock_(lock), id_(IdOf(dir_)) {}
+
 StoreFolder::StoreFolder(StoreFolder&& other) noexcept
-    : dir_(std::move(other.dir_)), lock_(std::exchange(other.lock_, kNoLock)) {}
+    : dir_(std::move(other.dir_)), lock_(std::exchange(other.lock_, kNoLock)), id_(other.id_) {}
 
 StoreFolder::~StoreFolder() {
   if (lock_ >= 0) ::close(lock_);  // and with it the lock
@@ -95,10 +110,21 @@ bool StoreFolder::IsForeign(const fs::path& dir) {
 Status StoreFolder::IsStillThere() const {
   struct stat held{}, named{};
   const fs::path lock_file = dir_ / "lock";
-  if (::fstat(lock_, &held) == 0 && ::stat(lock_file.c_str(), &named) == 0 && held.st_dev == named.st_dev &&
-      held.st_ino == named.st_ino)
-    return Status::Ok();
-  return {Code::kIo, "the store was moved or removed while it was in use"};
+  if (::fstat(lock_, &held) != 0 || ::stat(lock_file.c_str(), &named) != 0 || held.st_dev != named.st_dev ||
+      held.st_ino != named.st_ino)
+    return {Code::kIo, "the store was moved or removed while it was in use"};
+  const fs::path* linked = IdOf(dir_) != id_ ? &dir_ : nullptr;
+  const std::array own{Blobs(), Checkpoints(), Uploads()};
+  for (const fs::path& folder : own)
+    if (IsALink(folder)) linked = &folder;
+  if (linked == nullptr) return Status::Ok();
+  return {Code::kIo,
+          linked->string() + " was replaced by a link while it was in use; nothing is written there"};
+}
+
+Status StoreFolder::MayWriteCheckpoints(const std::string& job) const {
+  if (Status there = IsStillThere(); !there.ok()) return there;
+  return IsALink(Checkpoints() / job) ? ALink(Checkpoints() / job) : Status::Ok();
 }
 
 Status StoreFolder::CheckVersion() const {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "schema/error.h"
@@ -57,19 +58,23 @@ class StoreFolder {
   void FinishForgetting(const std::function<std::filesystem::path(const std::string& job)>& results_of) const;
   // Forgets all jobs. What is none of a store's stays.
   Status Clear();
-  // Whether what is called dir() is still the folder that was opened. Not Ok: it was removed or moved;
-  // nothing may be written there any more, for nobody would find it.
+  // Whether what is called dir() is still the folder that was opened, and its own folders no links. Not Ok:
+  // it was removed, moved, or replaced by a link; nothing may be written there any more, for nobody would
+  // find it, or it would be written where somebody else wants it.
   Status IsStillThere() const;
+  // The same, and that a job's checkpoints lie in no link.
+  Status MayWriteCheckpoints(const std::string& job) const;
 
  private:
-  StoreFolder(std::filesystem::path dir, int lock) : dir_(std::move(dir)), lock_(lock) {}
+  StoreFolder(std::filesystem::path dir, int lock);
   static constexpr int kNoLock = -1;
   static bool IsForeign(const std::filesystem::path& dir);
   Status CheckVersion() const;
   Status MakeFolders() const;
 
   std::filesystem::path dir_;
-  int lock_ = kNoLock;  // file descriptor
+  int lock_ = kNoLock;                          // file descriptor
+  std::pair<std::uint64_t, std::uint64_t> id_;  // of what is called dir(), be it a link: device and inode
 };
 
 // Renames a damaged file so that it is never read again but can be looked at: FILE.damaged.

@@ -184,6 +184,36 @@ TEST(StoreFolder, SeesThatItWasMovedOrRemoved) {
   EXPECT_TRUE(folder.value().IsStillThere().ok());
 }
 
+TEST(StoreFolder, SeesThatALinkCameInItsPlaceOrInOneOfItsFolders) {
+  TempFolder temp;
+  const fs::path dir = temp.path() / "s", moved = temp.path() / "moved";
+  const Result<StoreFolder> folder = StoreFolder::Open(dir);
+  ASSERT_TRUE(folder.ok());
+  const auto expect_seen = [&](const fs::path& name) {
+    fs::rename(name, moved);
+    fs::create_directory_symlink(moved, name);
+    const Status status = folder.value().MayWriteCheckpoints("job");
+    EXPECT_FALSE(status.ok()) << name;
+    EXPECT_NE(status.message().find(" link"), std::string::npos) << status.message();
+    fs::remove(name);
+    fs::rename(moved, name);
+    EXPECT_TRUE(folder.value().MayWriteCheckpoints("job").ok()) << name;
+  };
+  expect_seen(dir);
+  fs::create_directory(folder.value().Checkpoints() / "job");
+  for (const char* own : {"blobs", "checkpoints", "uploads", "checkpoints/job"}) expect_seen(dir / own);
+}
+
+// A service's user may well say where his store lies by a link.
+TEST(StoreFolder, BehindALinkThatWasThereBeforeItIsStillThere) {
+  TempFolder temp;
+  fs::create_directory(temp.path() / "disk");
+  fs::create_directory_symlink(temp.path() / "disk", temp.path() / "s");
+  const Result<StoreFolder> folder = StoreFolder::Open(temp.path() / "s");
+  ASSERT_TRUE(folder.ok()) << folder.status().message();
+  EXPECT_TRUE(folder.value().IsStillThere().ok()) << folder.value().IsStillThere().message();
+}
+
 TEST(StoreFolder, OneOfVersion1WithTrailersIsUpgraded) {
   TempFolder temp;
   const fs::path store = temp.path() / "s";

@@ -238,6 +238,22 @@ TEST_F(Embedded, NoLinkInsideOfItsFolderIsFollowed) {
   }
 }
 
+// What is under way is not led away either: in the middle of it another folder stands behind a link of that
+// name.
+TEST_F(Embedded, ALinkThatComesInPlaceOfItsFolderInTheMiddleEndsTheRun) {
+  SetOption("rounds", 200);
+  const fs::path store = fs::path(options_.dir) / ".cairn", elsewhere = folder_.path() / "elsewhere";
+  on_progress_ = [&](const EmbeddedProgress& progress) {
+    if (progress.info.round() < 3 || fs::exists(elsewhere)) return;
+    fs::rename(store, elsewhere);
+    fs::create_directory_symlink(elsewhere, store);
+  };
+  const EmbeddedResult result = Run();
+  EXPECT_EQ(result.end, EmbeddedEnd::kPaused);
+  EXPECT_NE(result.reason.find(".cairn was replaced by a link"), std::string::npos) << result.reason;
+  EXPECT_EQ(Have(), Hash{});
+}
+
 // The stages of a run that is replaced come from its own record.
 TEST_F(Embedded, WhatItReplacesIsNotSoughtBehindALink) {
   const fs::path victim = folder_.path() / "victim";
