@@ -15,8 +15,10 @@
 #include <functional>
 #include <limits>
 #include <set>
+#include <span>
 #include <utility>
 
+#include "pipelines/common/fan_out.h"
 #include "pipelines/testing/in_process.h"
 #include "schema/demands_throw.h"
 #include "tests/conformance/cases.h"
@@ -139,7 +141,12 @@ class SomeTicks : public Progress {
 
 using Compute = std::function<void(const Handed&, Progress&)>;
 
-[[noreturn]] void ComputeAndExit(const Compute& compute, const Handed& handed) {
+struct Change {
+  std::string what;
+  Handed handed;
+};
+
+[[noreturn]] void ComputeAndExit(const Compute& compute, std::span<const Change> changes) {
   rlim_t seconds = 600;
 #ifndef CAIRN_SANITIZED
   const rlimit memory{rlim_t{4} << 30, rlim_t{4} << 30};
@@ -151,24 +158,26 @@ using Compute = std::function<void(const Handed&, Progress&)>;
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   const DemandsThrow demands_throw;  // as in a worker
-  SomeTicks progress;
-  try {
-    compute(handed, progress);
-  } catch (const std::exception&) {
-  } catch (const Cancelled&) {
+  for (const Change& change : changes) {
+    SomeTicks progress;
+    try {
+      compute(change.handed, progress);
+    } catch (const std::exception&) {
+    } catch (const Cancelled&) {
+    }
   }
   _exit(0);
 }
 
-// Computes in a process of its own, and says how that ended; empty where it lived on.
-std::string EndOf(const Compute& compute, const Handed& handed) {
+// Computes one after the other in a process of their own, and says how that ended; empty where it lived on.
+std::string EndOf(const Compute& compute, std::span<const Change> changes) {
   int ends[2];
   if (pipe(ends) != 0) return "there is no pipe";
   const pid_t child = fork();
   if (child == 0) {
     dup2(ends[1], STDERR_FILENO);
     close(ends[0]);
-    ComputeAndExit(compute, handed);
+    ComputeAndExit(compute, changes);
   }
   close(ends[1]);
   std::string said;
@@ -179,23 +188,38 @@ std::string EndOf(const Compute& compute, const Handed& handed) {
   int status = 0;
   waitpid(child, &status, 0);
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return "";
-  // A sanitizer's allocator does not throw.
-  for (const char* what : {"allocation-size-too-big", "out-of-memory", "exceeds maximum supported size"})
-    if (said.find(what) != std::string::npos) return "";
   return (WIFSIGNALED(status) ? std::string(strsignal(WTERMSIG(status))) : "it exited") + "\n" +
          said.substr(0, 4000);
+}
+
+// A sanitizer's allocator does not throw.
+bool IsBadAlloc(const std::string& end) {
+  for (const char* what : {"allocation-size-too-big", "out-of-memory", "exceeds maximum supported size"})
+    if (end.find(what) != std::string::npos) return true;
+  return false;
 }
 
 // Tries every change, or every third one.
 class Tried {
  public:
+  // Several in a process; where that ends, each in one of its own.
   void All(const std::string& of, const Handed& real, const Compute& compute) {
-    ForEachMutant(real, [&](const std::string& what, const Handed& handed) {
-      if (every_ || changes_ % 3 == 0) {
-        EXPECT_EQ(EndOf(compute, handed), "") << of << ", " << what;
+    constexpr std::size_t kTogether = 16;
+    std::vector<Change> changes;
+    const auto try_them = [&] {
+      const bool lived_on = EndOf(compute, changes).empty();
+      for (const Change& change : changes) {
+        const std::string end = lived_on ? "" : EndOf(compute, {&change, 1});
+        EXPECT_TRUE(end.empty() || IsBadAlloc(end)) << of << ", " << change.what << ": " << end;
       }
+      changes.clear();
+    };
+    ForEachMutant(real, [&](const std::string& what, const Handed& handed) {
+      if (every_ || changes_ % 3 == 0) changes.push_back({what, handed});
       ++changes_;
+      if (changes.size() == kTogether) try_them();
     });
+    try_them();
   }
 
  private:
@@ -212,31 +236,56 @@ std::string NamesIn(const InputMap& inputs) {
   return names;
 }
 
-std::string PartialName(std::size_t index) { return "partial " + std::to_string(index); }
+// Of several candidate starts (pipelines/common/fan_out.h) the first's and the last's state is changed, of
+// the partials the first and the last one: others are read as these are.
+constexpr const char* kFirstPartial = "first partial";
+constexpr const char* kLastPartial = "last partial";
 
-// What an Advance is handed: all of the state, the first and the last partial, for others are read as these
-// are.
+bool IsOfAMiddleStart(const std::string& name, int starts) {
+  const auto of = [&](int start) { return name.starts_with("start/" + std::to_string(start) + "/"); };
+  return name.starts_with("start/") && !of(0) && !of(starts - 1);
+}
+
+// What an Advance is handed.
 Handed HandedOn(const proto::State& state, const BlobsByHash& store, const std::vector<BlobPtr>& done) {
-  Handed real{{state.scalars().begin(), state.scalars().end()}, {}};
-  for (const auto& [name, hash] : state.blobs()) real.inputs[name] = store.at(hash);
-  if (!done.empty()) {
-    real.inputs[PartialName(0)] = done.front();
-    real.inputs[PartialName(done.size() - 1)] = done.back();
-  }
+  Handed real;
+  const int starts = StartsIn(state);
+  for (const auto& [name, value] : state.scalars())
+    if (!IsOfAMiddleStart(name, starts)) real.params[name] = value;
+  for (const auto& [name, hash] : state.blobs())
+    if (!IsOfAMiddleStart(name, starts)) real.inputs[name] = store.at(hash);
+  if (!done.empty()) real.inputs[kLastPartial] = done.back();
+  if (done.size() > 1) real.inputs[kFirstPartial] = done.front();
   return real;
 }
 
-void AdvanceAsHanded(const Pipeline& pipeline, const proto::State& state, const Case& c,
+void AdvanceAsHanded(const Pipeline& pipeline, const proto::State& state, MapInputs inputs,
                      std::vector<BlobPtr> done, const Handed& handed) {
+  const int starts = StartsIn(state);
   proto::State changed = state;
-  changed.mutable_scalars()->clear();
-  changed.mutable_scalars()->insert(handed.params.begin(), handed.params.end());
-  MapInputs inputs(c.inputs);
-  for (const auto& [name, hash] : state.blobs()) inputs.Put(name, handed.inputs.at(name));
-  for (const std::size_t i : {std::size_t{0}, done.size() - 1})
-    if (!done.empty()) done[i] = handed.inputs.at(PartialName(i));
+  for (const auto& [name, value] : state.scalars())
+    if (!IsOfAMiddleStart(name, starts)) changed.mutable_scalars()->erase(name);
+  for (const auto& [name, value] : handed.params) (*changed.mutable_scalars())[name] = value;
+  for (const auto& [name, blob] : handed.inputs) inputs.Put(name, blob);
+  if (!done.empty()) done.back() = handed.inputs.at(kLastPartial);
+  if (done.size() > 1) done.front() = handed.inputs.at(kFirstPartial);
   VectorPartials partials(std::move(done));
   (void)pipeline.Advance(changed, partials, inputs);
+}
+
+// A round of more candidates is of the same kind as one of fewer.
+std::string KindOf(const proto::Step& plan, const InputMap& inputs) {
+  const proto::State& state = plan.state();
+  const std::string last = "start/" + std::to_string(StartsIn(state) - 1) + "/";
+  std::string kind = "advance";
+  for (const auto& [name, blob] : inputs)
+    kind += " " + (name.starts_with(last) ? "last/" + name.substr(last.size()) : name);
+  const auto phase = state.scalars().find("phase");
+  if (phase != state.scalars().end()) kind += " " + phase->second.ShortDebugString();
+  std::set<std::string> tasks;
+  for (const Task& task : plan.tasks())
+    if (tasks.insert(task.kind()).second) kind += " " + task.kind();
+  return kind;
 }
 
 class HostilePlans : public ::testing::TestWithParam<Case> {};
@@ -268,21 +317,15 @@ TEST_P(HostilePlans, AStepIsComputedOrFailsAndItsProcessLivesOn) {
       done.push_back(std::make_shared<const Blob>(pipeline->Run(task, MapInputs(real.inputs), progress)));
     }
     const proto::State& state = step.plan.state();
+    const MapInputs inputs = InputsOfRound(state, store, c.inputs);
     const Handed real = HandedOn(state, store, done);
-    const auto phase = state.scalars().find("phase");
-    std::string kind = "advance" + NamesIn(real.inputs) +
-                       (phase == state.scalars().end() ? "" : phase->second.ShortDebugString());
-    std::set<std::string> after;
-    for (const Task& task : step.plan.tasks())
-      if (after.insert(task.kind()).second) kind += " " + task.kind();
-    // Advance of landmark_map reads the tables of its partials unchecked yet.
-    if (c.stage.pipeline() != "landmark_map" && seen.insert(kind).second) {
+    if (seen.insert(KindOf(step.plan, real.inputs)).second) {
       tried.All("advance", real, [&](const Handed& handed, Progress&) {
-        AdvanceAsHanded(*Make(c.stage, c.seed), state, c, done, handed);
+        AdvanceAsHanded(*Make(c.stage, c.seed), state, inputs, done, handed);
       });
     }
     VectorPartials partials(std::move(done));
-    step = pipeline->Advance(state, partials, InputsOfRound(state, store, c.inputs));
+    step = pipeline->Advance(state, partials, inputs);
   }
 }
 
