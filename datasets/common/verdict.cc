@@ -126,9 +126,9 @@ Doubt OfMisfits(const kinds::LandmarkMap::Fit& fit) {
   const double time_s = fit.worst_time_s.OrNone().empty() ? 0 : fit.worst_time_s.OrNone().front();
   return {
       std::min(AtMost(share, kFew, kMany), worst < kGross ? Confidence::kHigh : Confidence::kFair),
-      fmt::format("{} of {} observations do not fit the map, the worst is {:.1f} standard deviations off, "
+      fmt::format("{} of {} observations {} not fit the map, the worst is {:.1f} standard deviations off, "
                   "at {:.1f} s",
-                  misfits, observations, worst, time_s)};
+                  misfits, observations, misfits == 1 ? "does" : "do", worst, time_s)};
 }
 
 // Widths estimated from the residuals that are far from what was stated of a sensor.
@@ -330,8 +330,9 @@ Verdict LandmarkMapVerdict(const Blob& result) {
   const auto all = static_cast<double>(std::max<std::size_t>(1, observations));
   JudgeFit(map, static_cast<double>(explained) / all, &verdict);
   if (explained < observations)
-    verdict.why += fmt::format("; {} of {} observations are of none of its landmarks",
-                               observations - explained, observations);
+    verdict.why +=
+        fmt::format("; {} of {} observations {} of none of its landmarks", observations - explained,
+                    observations, observations - explained == 1 ? "is" : "are");
   if (const std::string moved = MovedText(result); !moved.empty()) {
     verdict.trust = std::min(verdict.trust, Confidence::kFair);
     verdict.why += "; " + moved;

@@ -219,9 +219,10 @@ TEST(LandmarkMapVerdict, OfLandmarksWithoutNamesAtADistanceTheSearchAndTheFitTel
 }
 
 TEST(LandmarkMapVerdict, OfNamedLandmarksTheFitTells) {
-  EXPECT_EQ(TextOf(FittedMap(200, 1, 1, 0)),
-            "high: 199 observations fit the map; 1 of 200 observations do not fit the map, the worst is 4.0 "
-            "standard deviations off, at 7.0 s");
+  EXPECT_EQ(
+      TextOf(FittedMap(200, 1, 1, 0)),
+      "high: 199 observations fit the map; 1 of 200 observations does not fit the map, the worst is 4.0 "
+      "standard deviations off, at 7.0 s");
   EXPECT_EQ(LandmarkMapVerdict(FittedMap(20, 0, 0, 0)).trust, Confidence::kFair) << "too few to tell";
   EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 10, 1, 0)).trust, Confidence::kFair);
   EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 50, 4, 0)).trust, Confidence::kLow);
