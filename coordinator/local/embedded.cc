@@ -59,6 +59,7 @@ std::set<std::string> ReadStages(const fs::path& path) {
   std::ifstream file(path);
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() == kMostBytes) text.resize(text.rfind('\n') + 1);  // a name that was cut is another
   std::set<std::string> stages;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);)

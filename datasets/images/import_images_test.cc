@@ -57,6 +57,33 @@ TEST_F(ImportImagesTest, PutsImagesBesideTheTablesInputs) {
             DecodeImage(options_.folder + "/deep/c.ppm", 1000).rgb);
 }
 
+// A table may name one image as often as it likes, and a folder may have as many as it likes.
+TEST_F(ImportImagesTest, TheirPixelsAreBounded) {
+  const std::string one = "a.png,0,0,0\na.png,1,0,0\na.png,2,0,0\n", pixels = header_ + one;
+  options_.skip_bad = true;  // the other images have no pose
+  options_.most_image_bytes = 3 * 12 * 16 * 3;
+  EXPECT_EQ(Failure(pixels), "");
+  options_.most_image_bytes -= 1;
+  EXPECT_NE(Failure(pixels).find("its images take more than 1.7 kB"), std::string::npos) << Failure(pixels);
+  std::string table = header_;
+  for (int i = 0; i < 100; ++i) {
+    const std::string name = "many" + std::to_string(i) + ".ppm";
+    PutImage(name, 12, 16);
+    table += name + "," + std::to_string(i) + ",0,0\n";
+  }
+  std::size_t read = 0;
+  options_.poses = folder_.Put("poses.csv", table);
+  EXPECT_THROW(ImportImages(
+                   options_,
+                   [&read](const std::vector<std::string>& paths) {
+                     read += paths.size();
+                     return ReadHere(paths);
+                   },
+                   &log_),
+               InputError);
+  EXPECT_LT(read, 100u);
+}
+
 // The track is straight, 1 m/s, and turns; the ranges come twice a second.
 TEST_F(ImportImagesTest, TakesPosesOfATrackAndRangesByTime) {
   options_.times = folder_.Put("times.csv", "time_s,image\n0.25,a.png\n1,b.jpg\n1.75,deep/c.ppm\n");

@@ -135,6 +135,12 @@ class ImagesImport {
     return true;
   }
 
+  void CheckBytes(std::size_t bytes) const {
+    if (bytes > options_.most_image_bytes)
+      throw InputError(Table() + ": its images take more than " + BytesText(options_.most_image_bytes) +
+                       "; import them smaller, or some of the runs");
+  }
+
   bool AddImage(const std::string& path, const ImageReading& image, CsvReader* reader, SampleRun* run) {
     if (!image.failure.empty()) return reader->Bad("bad image", path + ": " + image.failure), false;
     if (run->image.empty()) {
@@ -149,11 +155,8 @@ class ImagesImport {
       return false;
     }
     // A table may name one image as often as it likes.
-    constexpr std::size_t kMostBytes = std::size_t{2} << 30;
     image_bytes_ += image.rgb.size();
-    if (image_bytes_ > kMostBytes)
-      throw InputError(Table() +
-                       ": its images take more than 2 GB; import them smaller, or some of the runs");
+    CheckBytes(image_bytes_);
     run->image.insert(run->image.end(), image.rgb.begin(), image.rgb.end());
     return true;
   }
@@ -174,10 +177,21 @@ class ImagesImport {
     std::vector<std::string> paths;
     std::ranges::copy_if(named, std::back_inserter(paths),
                          [](const auto& path) { return fs::is_regular_file(path); });
-    std::vector<ImageReading> read = read_(paths);
-    CAIRN_DEMAND(read.size() == paths.size(), "a reader that loses images");
+    constexpr std::size_t kAtOnce = 64;  // so that not all are here before it shows that they are too much
     Readings readings;
-    for (std::size_t i = 0; i < paths.size(); ++i) readings[paths[i]] = std::move(read[i]);
+    std::size_t bytes = 0;
+    for (std::size_t first = 0; first < paths.size(); first += kAtOnce) {
+      const auto begin = paths.begin() + static_cast<std::ptrdiff_t>(first);
+      const auto count = static_cast<std::ptrdiff_t>(std::min(kAtOnce, paths.size() - first));
+      const std::vector<std::string> some(begin, begin + count);
+      std::vector<ImageReading> read = read_(some);
+      CAIRN_DEMAND(read.size() == some.size(), "a reader that loses images");
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        bytes += read[i].rgb.size();
+        readings[some[i]] = std::move(read[i]);
+      }
+      CheckBytes(bytes);
+    }
     return readings;
   }
 

@@ -8,6 +8,7 @@
 // or it is a track (pose_track.h) and `times` names them, with the same columns but for the pose.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -26,6 +27,7 @@ struct ImagesImportOptions {
   double smooth_s = 0;      // of a track
   double most_gap_s = 1.0;  // between rows of a track, and from an image to its ranges
   bool skip_bad = false;    // skip bad lines, and images without one, and count them by reason
+  std::size_t most_image_bytes = 2'000'000'000;  // of pixels, of all together
 };
 
 // An image, 8 bits of red, green, blue, or why there is none.

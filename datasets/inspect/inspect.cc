@@ -203,6 +203,15 @@ DatasetSummary Summarize(const DatasetInfo& info, const Array& array) {
   return summary;
 }
 
+bool IsRightWithoutTruth(const Blob& blob, const std::string& kind) {
+  try {
+    CheckKind(blob.Without("truth/"), kind);
+  } catch (const InputError&) {
+    return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Result<Inspection> Inspect(const std::string& path) {
@@ -219,6 +228,7 @@ Result<Inspection> Inspect(const std::string& path) {
     CheckKind(blob, inspection.kind);
   } catch (const InputError& error) {
     inspection.wrong = error.what();
+    inspection.wrong_truth = IsRightWithoutTruth(blob, inspection.kind);
   }
   if (kind != nullptr && kind->has_units) inspection.unit_doubts = FindUnitDoubts(blob);
   inspection.warnings = OdometryHolesOf(blob);

@@ -32,6 +32,7 @@ struct Inspection {
   bool changed = false;  // by another program, since Cairn wrote it
   // The first array that is not as its kind's should be; empty: all are (kinds/kind.h).
   std::string wrong = {};
+  bool wrong_truth = false;  // and no array is wrong but of /truth, which a job leaves behind
 };
 
 // Reads the file whole, so that every checksum is looked at; fails as ReadBlobFile does.

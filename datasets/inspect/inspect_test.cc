@@ -136,7 +136,18 @@ TEST(Inspect, SaysWhatIsNotAsItsKindShouldBe) {
   log.PutVector<double>("robot/0/odometry/turn_rad", {0, 0});
   const Inspection inspection = Inspected(log, "log");
   ExpectContains(InspectText(inspection), "WRONG: 'robot/0/odometry/turn_rad' has the shape [2], where ");
+  ExpectContains(InspectText(inspection), "; but for `cairn diff` no other command takes it\n");
   ExpectContains(nlohmann::json::parse(InspectJson(inspection))["wrong"], "robot/0/odometry/turn_rad");
+  EXPECT_FALSE(nlohmann::json::parse(InspectJson(inspection))["wrong_truth_only"]);
+}
+
+TEST(Inspect, OfAWrongTruthItSaysThatAJobDoesNotLookAtIt) {
+  Blob log = SmallLog();
+  log.PutVector<double>("truth/robot/0/poses/x_m", {0, 0});
+  log.PutVector<double>("truth/robot/0/poses/y_m", {0});
+  const Inspection inspection = Inspected(log, "log");
+  ExpectContains(InspectText(inspection), "a job, which leaves the truth behind, takes it");
+  EXPECT_TRUE(nlohmann::json::parse(InspectJson(inspection))["wrong_truth_only"]);
 }
 
 TEST(Inspect, LongTextsTakeOneLine) {

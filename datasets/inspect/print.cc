@@ -50,7 +50,12 @@ std::string InspectText(const Inspection& inspection) {
                      inspection.hash + "\n";
   if (inspection.changed)
     text += "CHANGED by another program since Cairn wrote it: not what Cairn computed\n";
-  if (!inspection.wrong.empty()) text += "WRONG: " + inspection.wrong + "; no other command takes it\n";
+  if (!inspection.wrong.empty())
+    text += "WRONG: " + inspection.wrong +
+            (inspection.wrong_truth
+                 ? "; a job, which leaves the truth behind, takes it, and `cairn diff`; no other "
+                   "command does\n"
+                 : "; but for `cairn diff` no other command takes it\n");
   std::size_t name_width = 0, fact_width = 0;
   for (const auto& [name, fact] : inspection.facts) fact_width = std::max(fact_width, name.size());
   for (const DatasetSummary& dataset : inspection.datasets)
@@ -80,6 +85,7 @@ std::string InspectJson(const Inspection& inspection) {
                             {"content", inspection.hash},
                             {"changed", inspection.changed},
                             {"wrong", inspection.wrong},
+                            {"wrong_truth_only", inspection.wrong_truth},
                             {"facts", facts},
                             {"unit_doubts", inspection.unit_doubts},
                             {"warnings", inspection.warnings},

@@ -54,6 +54,21 @@ TEST_F(AllowListTest, NamesTheLineThatIsWrong) {
   EXPECT_EQ(Problem(a_ + " worker\nend\n# and a remark\n\n"), "");
 }
 
+// A remark without end, say: with a hole in it, which takes no disk.
+TEST_F(AllowListTest, OneOfMoreThan16MBIsNotRead) {
+  const std::string key = a_ + " worker\n# ", end = "\nend\n";
+  const auto write = [&](std::uintmax_t bytes) {
+    Write(key);
+    std::filesystem::resize_file(path_, bytes - end.size());
+    std::ofstream(path_, std::ios::app) << end;
+  };
+  write(16 << 20);
+  EXPECT_TRUE(ReadAllowList(path_).ok()) << ReadAllowList(path_).status().message();
+  write((16 << 20) + 1);
+  EXPECT_EQ(ReadAllowList(path_).status().code(), Code::kCorrupt);
+  EXPECT_NE(ReadAllowList(path_).status().message().find("larger than 16 MB"), std::string::npos);
+}
+
 // A copy over the list, seen at any moment.
 TEST_F(AllowListTest, NoPartOfAListIsTakenForOne) {
   const std::string whole = a_ + " worker desk\n" + b_ + " viewer\nend";

@@ -174,6 +174,24 @@ TEST_F(Embedded, WhatItReplacesLiesInItsOwnFolder) {
   EXPECT_TRUE(fs::exists(victim / "report.html"));
 }
 
+// What it replaces is read to 64 kB, which cut "ab" off a name; a file without end is nobody's record.
+TEST_F(Embedded, OfWhatItReplacesItReadsNoMoreThanAJobCanHave) {
+  constexpr std::size_t kMostBytes = 1 << 16;
+  fs::create_directories(fs::path(options_.dir) / ".cairn");
+  for (const char* name : {"ab.h5", "absent.h5", "thesis.h5", "old.h5"})
+    std::ofstream(fs::path(options_.dir) / name) << "mine";
+  std::ofstream(fs::path(options_.dir) / ".cairn" / "version") << "3\n";
+  std::string lines = "old\n";
+  while (lines.size() < kMostBytes - 2) lines += "\n";
+  const fs::path replaced = fs::path(options_.dir) / ".cairn" / "replaced";
+  std::ofstream(replaced) << lines << "absent\nthesis\n";
+  fs::resize_file(replaced, std::uintmax_t{1} << 33);
+  ASSERT_EQ(Run().end, EmbeddedEnd::kDone);
+  EXPECT_FALSE(fs::exists(fs::path(options_.dir) / "old.h5"));
+  for (const char* name : {"ab.h5", "absent.h5", "thesis.h5"})
+    EXPECT_TRUE(fs::exists(fs::path(options_.dir) / name)) << name;
+}
+
 TEST_F(Embedded, ALinkInPlaceOfItsFolderIsRefused) {
   const fs::path victim = folder_.path() / "victim";
   fs::create_directories(victim / "sub");

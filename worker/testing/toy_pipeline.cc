@@ -50,7 +50,8 @@ class Toy : public Pipeline {
         progress.Tick();
         sum += std::sin(value * scale) + 1e-3 * rng.Normal();
       }
-    } else {  // combine: a and b are partials of this round
+    } else {  // a and b are partials of this round
+      if (task.kind() != "combine") throw InputError("a task of the kind '" + task.kind() + "'");
       sum = std::tanh(inputs.Get("a")->Scalar<double>("sum")) - 0.5 * inputs.Get("b")->Scalar<double>("sum");
     }
     partial.PutScalar("sum", sum);
