@@ -9,7 +9,7 @@ job=(cairn run landmark_map log.h5 --set cell_m=0.4 --set starts=3 --set waves=0
 exits 0 "${job[@]}" --out undisturbed
 
 # The moments are spread over the run by what it has saved, not by the clock: after the first checkpoint, the next, …
-saved() { find killed/.cairn -name '*.h5' -newer mark 2>/dev/null | grep -q .; }
+saved() { find killed/.cairn/checkpoints -name '[0-9]*.h5' -newer mark 2>/dev/null | grep -q .; }
 ended() { ! kill -0 "$run" 2>/dev/null; }
 saved_or_ended() { saved || ended; }
 killed=0
