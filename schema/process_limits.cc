@@ -1,8 +1,10 @@
 #include "schema/process_limits.h"
 
+#include <fcntl.h>
 #include <google/protobuf/stubs/logging.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -46,9 +48,17 @@ Status CheckSize(decltype(RLIMIT_FSIZE) resource, std::uint64_t needed, const st
                               " at the least: raise the limit (" + remedy + ")"};
 }
 
+// Where one is closed, a file that is opened later would get its number, and all that is meant for it. What
+// stands there instead fails like a closed one: it cannot be read, or not written.
+void FillStandardStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
 }  // namespace
 
 Status PrepareProcess(const ProcessNeeds& needs) {
+  FillStandardStreams();
   ::signal(SIGXFSZ, SIG_IGN);
   google::protobuf::SetLogHandler(nullptr);
   if (Status status = CheckFiles(needs.files); !status.ok()) return status;

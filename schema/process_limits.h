@@ -18,7 +18,8 @@ struct ProcessNeeds {
 // Raises the soft limit on open files where that is what is in the way. From now on a file that would grow
 // over its limit is a write that fails, which is told, not the process's silent end; and what libprotobuf has
 // to say of bytes that it cannot read, in lines of its own and unescaped, is for nobody: whoever reads them
-// says what is wrong. kRefused: which limit is too low, what it is and what is needed.
+// says what is wrong; and no file takes the number of a standard stream that is closed, with what is written
+// there. kRefused: which limit is too low, what it is and what is needed.
 Status PrepareProcess(const ProcessNeeds& needs);
 
 }  // namespace cairn

@@ -4,6 +4,7 @@
 #include <google/protobuf/stubs/logging.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -75,6 +76,23 @@ TEST(ProcessLimits, WhatProtobufSaysOfBadBytesIsForNobody) {
   EXPECT_FALSE(task.ParseFromString(bytes));
   EXPECT_THROW(GOOGLE_LOG(FATAL) << "\x1b[2J", google::protobuf::FatalException);
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+// Else a log goes into whatever file was opened first: a lock, a key.
+TEST(ProcessLimits, NoFileTakesThePlaceOfAClosedStandardStream) {
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    for (const int stream : {0, 1, 2}) ::close(stream);
+    bool right = PrepareProcess({}).ok();
+    right &= ::open("/dev/null", O_RDWR) > 2;
+    char byte = 0;
+    right &= ::read(0, &byte, 1) < 0 && ::write(1, &byte, 1) < 0 && ::write(2, &byte, 1) < 0;
+    ::_exit(right ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
 TEST(ProcessLimits, AFileThatMayNotGrowIsAWriteThatFailsAndNotTheEnd) {

@@ -12,6 +12,7 @@
 
 #include "schema/error.h"
 #include "schema/store/regular_file.h"
+#include "schema/text.h"
 
 namespace cairn::datasets {
 namespace {
@@ -101,11 +102,16 @@ bool Lines::Next() {
   return true;
 }
 
+std::string Excerpt(std::string_view text) {
+  constexpr std::size_t kMost = 500;
+  return text.size() <= kMost ? std::string(text) : Printable(std::string(text.substr(0, 2 * kMost)), kMost);
+}
+
 void BadLines::Add(const std::string& file, std::size_t line, const std::string& reason,
                    const std::string& detail) {
   if (!skip_) {
     throw InputError(file + ":" + std::to_string(line) + ": " + reason +
-                     (detail.empty() ? "" : ": " + detail) +
+                     (detail.empty() ? "" : ": " + Excerpt(detail)) +
                      (may_skip_ ? " (--skip-bad skips such lines and counts them)" : ""));
   }
   ++counts_[reason];

@@ -44,6 +44,9 @@ class Lines {
   std::size_t number_ = 0;
 };
 
+// What a message shows of a text of a file: all of it, or 500 bytes.
+std::string Excerpt(std::string_view text);
+
 // What to do with a line that cannot be used: stop, or skip and count.
 class BadLines {
  public:

@@ -62,7 +62,10 @@ class CsvImport {
     if (!options_.truth_landmarks.empty()) ReadTruthLandmarks();
     if (!options_.observations.empty()) ReadObservations();
     if (!options_.truth_poses.empty()) ReadTruthPoses();
-    if (rows_.truth_landmarks) Associate();
+    if (rows_.truth_landmarks) {
+      CheckTrueNames();
+      Associate();
+    }
     SortLandmarks();
     report_.skipped = bad_.counts();
     *log = MakeLog(rows_, options_.odometry, &report_);
@@ -197,19 +200,40 @@ class CsvImport {
     rows_.truth_landmarks->name = truth_.names();
   }
 
-  // Whether the line may name this landmark; it is bad where it may not.
-  bool LandmarkIsKnown(std::string_view name, CsvReader* reader) {
-    if (name.empty() || truth_.Find(name) >= 0) return true;
-    const std::string quoted = "'" + std::string(name) + "'";
-    if (MeansUnknown(name)) {
-      reader->Bad("no landmark's name", quoted + ": leave the field empty where it is unknown");
-      return false;
-    }
-    if (!rows_.truth_landmarks) return true;
-    const std::string example = truth_.names().empty() ? "" : " ('" + truth_.names().front() + "' is one)";
-    reader->Bad("unknown landmark", quoted + " is none of the true landmarks of " + options_.truth_landmarks +
-                                        example + ": are they called the same in both files?");
+  // Whether it can be a landmark's name; the line is bad where it cannot.
+  static bool IsName(std::string_view name, CsvReader* reader) {
+    if (!MeansUnknown(name)) return true;
+    reader->Bad("no landmark's name",
+                "'" + std::string(name) + "': leave the field empty where it is unknown");
     return false;
+  }
+
+  std::string OneTrueName() const {
+    return truth_.names().empty() ? "" : " ('" + truth_.names().front() + "' is one)";
+  }
+
+  // Where the true positions of only some landmarks were measured the others are not scored; where those of
+  // none were, the names are of another list.
+  void CheckTrueNames() {
+    std::size_t measured = 0;
+    std::string first;  // that was not
+    for (const std::string& name : landmarks_.names()) {
+      if (truth_.Find(name) >= 0)
+        ++measured;
+      else if (first.empty())
+        first = name;
+    }
+    if (first.empty()) return;
+    if (measured == 0)
+      throw InputError(options_.observations + ": unknown landmark: '" + first +
+                       "', as all others, is none of the true landmarks of " + options_.truth_landmarks +
+                       OneTrueName() + ": are they called the same in both files?");
+    all_measured_ = false;
+    report_.warnings.push_back(options_.truth_landmarks + ": no true position of " +
+                               std::to_string(landmarks_.names().size() - measured) + " of the " +
+                               std::to_string(landmarks_.names().size()) +
+                               " landmarks that observations name ('" + first +
+                               "' is one): only the others are scored");
   }
 
   // Whether there is a pose to observe from; the line is bad where there is none.
@@ -254,7 +278,7 @@ class CsvImport {
       if (!time || !Measurement(&reader, &range, &bearing)) continue;
       RobotRows* robot = Robot(&reader);
       if (robot == nullptr || !InOrder(*time, robot->observations.time_s, &reader)) continue;
-      if (!reader.Name(2) || !LandmarkIsKnown(reader.Text(2), &reader)) continue;
+      if (!reader.Name(2) || !IsName(reader.Text(2), &reader)) continue;
       if (!WhileDriving(*time, robot->odometry.time_s, &reader)) continue;
       const std::int32_t landmark = reader.Text(2).empty() ? -1 : landmarks_.FindOrAdd(reader.Text(2));
       robot->observations.Add(*time, landmark, range, bearing);
@@ -292,7 +316,7 @@ class CsvImport {
   }
 
   void Associate() {
-    if (options_.truth_associations.empty() && landmarks_.names().empty()) return;
+    if (options_.truth_associations.empty() && (landmarks_.names().empty() || !all_measured_)) return;
     for (RobotRows& robot : rows_.robots) {
       for (const std::int32_t landmark : robot.observations.landmark) {
         const bool by_name = options_.truth_associations.empty() && landmark >= 0;
@@ -314,7 +338,13 @@ class CsvImport {
     while (reader.Next()) {
       const auto time = reader.Number(0);
       RobotRows* robot = time ? Robot(&reader) : nullptr;
-      if (robot == nullptr || !LandmarkIsKnown(reader.Text(2), &reader)) continue;
+      if (robot == nullptr || !IsName(reader.Text(2), &reader)) continue;
+      if (!reader.Text(2).empty() && truth_.Find(reader.Text(2)) < 0) {
+        reader.Bad("unknown landmark", "'" + std::string(reader.Text(2)) +
+                                           "' is none of the true landmarks of " + options_.truth_landmarks +
+                                           OneTrueName() + ": are they called the same in both files?");
+        continue;
+      }
       auto& unassociated = open[static_cast<std::size_t>(robot - rows_.robots.data())];
       const auto next = unassociated.lower_bound(*time);
       if (next == unassociated.end() || next->first != *time) {
@@ -341,7 +371,8 @@ class CsvImport {
   ImportReport report_;
   LogRows rows_;
   NameIndex robots_, landmarks_, truth_;
-  bool has_robots_ = true;  // odometry names them
+  bool has_robots_ = true;    // odometry names them
+  bool all_measured_ = true;  // the true positions of all landmarks that have a name
 };
 
 }  // namespace

@@ -36,12 +36,12 @@ struct CsvImportOptions {
 
 // Writes a `log` (schema/FORMAT.md). Robots are in the order in which odometry names them, landmarks by name
 // (numbers by value). Bad are: not a number, not finite, wrong number of columns, time runs backwards,
-// unknown robot (none that odometry names), unknown landmark (none that truth_landmarks names, where given),
-// before the first control or after the last (a robot that stood still there needs a row that says so),
-// negative range, range 0, beyond the sensor's maximum, outside its field of view, range or bearing alone, a
-// landmark called "-1", "unknown", "none", "nan", "null" or "na", no such observation (associations).
-// Throws InputError "FILE:LINE: REASON: DETAIL"; of a file of observations or true poses of which all rows
-// were skipped, too.
+// unknown robot (none that odometry names), unknown landmark (none that truth_landmarks names, of an
+// association; of observations where that is so of all), before the first control or after the last (a robot
+// that stood still there needs a row that says so), negative range, range 0, beyond the sensor's maximum,
+// outside its field of view, range or bearing alone, a landmark called "-1", "unknown", "none", "nan", "null"
+// or "na", no such observation (associations). Throws InputError "FILE:LINE: REASON: DETAIL"; of a file of
+// observations or true poses of which all rows were skipped, too.
 ImportReport ImportCsv(const CsvImportOptions& options, Blob* log);
 
 }  // namespace cairn::datasets

@@ -83,6 +83,9 @@ CsvReader::CsvReader(const std::string& path, const std::vector<std::vector<std:
     throw InputError(path + ": is UTF-16; save it as UTF-8 (or as plain CSV)");
   if (IsSeparatorLine(lines_.text()) && !lines_.Next())
     throw InputError(path + ": is empty; a header is needed: " + Join(headers[0]));
+  if (lines_.text().find('\r') != std::string_view::npos)
+    throw InputError(path +
+                     ": its lines end in a carriage return alone; save it with ends of lines of today");
   separator_ = SeparatorOf(lines_.text());
   if (!Split()) throw InputError(path + HeaderLine() + "the header has an open quote");
   FindColumns(headers);
@@ -111,7 +114,7 @@ void CsvReader::FindColumns(const std::vector<std::vector<std::string>>& headers
     std::string allowed;
     for (const auto& set : headers) allowed += (allowed.empty() ? "" : " or ") + Join(set);
     throw InputError(path_ + HeaderLine() + "the header lacks columns: it must have " + allowed +
-                     ", it has " + std::string(lines_.text()));
+                     ", it has " + Excerpt(lines_.text()));
   }
   header_ = static_cast<std::size_t>(fits - headers.begin());
   width_ = fields_.size();

@@ -134,6 +134,9 @@ TEST(CsvReader, NamesFileLineAndReason) {
   ExpectContains(message(""), "a.csv: is empty; a header is needed: a,b");
   ExpectContains(message("a,d\n"), "a.csv:1: the header lacks columns: it must have a,b or a,c, it has a,d");
   ExpectContains(message("a,b,a\n"), "a.csv:1: the header has a twice");
+  ExpectContains(message("a,b\r1,2\r3,4\r"), "a.csv: its lines end in a carriage return alone");
+  EXPECT_LT(message(std::string(1 << 20, 'x')).size(), 1000u) << "no line of a table";
+  EXPECT_LT(message("a,b\n" + std::string(1 << 20, 'x') + ",1\n").size(), 1000u);
   ExpectContains(message("a,b\n1,2\n1,2,3\n"), "a.csv:3: wrong number of columns: 3 where the header has 2");
   ExpectContains(message("a,b\n1,\"2\n"), "a.csv:2: open quote");
   ExpectContains(message("a,b\nx,2\n"), "a.csv:2: not a number: a is 'x'");

@@ -143,8 +143,24 @@ TEST_F(ImportCsvTest, ALandmarkThatTheTruthDoesNotNameIsAskedForInBothFiles) {
   PutObservations("1,Rosa,door,2,0\n");
   options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\nDoor A,1,2\n");
   const std::string said = Failure();
-  ExpectContains(said, "observations.csv:2: unknown landmark: 'door' is none of the true landmarks of ");
+  ExpectContains(
+      said, "observations.csv: unknown landmark: 'door', as all others, is none of the true landmarks of ");
   ExpectContains(said, "landmarks.csv ('Door A' is one): are they called the same in both files?");
+}
+
+TEST_F(ImportCsvTest, TruePositionsOfSomeLandmarksAreTakenForThese) {
+  PutObservations("1,Rosa,door,2,0\n2,Rosa,plant,2,0\n2,Rosa,stove,2,0\n");
+  const std::int64_t all = Import().observations;
+  const auto without = log_.ContentHash();
+  options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\ndoor,1,2\nattic,3,4\n");
+  const ImportReport report = Import();
+  EXPECT_EQ(report.observations, all);
+  EXPECT_FALSE(log_.Has("truth/robot/0/observations/landmark")) << "-1 would be a false observation";
+  EXPECT_EQ(log_.Without("truth/").ContentHash(), without);
+  ASSERT_FALSE(report.warnings.empty());
+  ExpectContains(report.warnings.back(),
+                 "landmarks.csv: no true position of 2 of the 3 landmarks that observations name ('plant' is "
+                 "one): only the others are scored");
 }
 
 TEST_F(ImportCsvTest, ARangeOfZeroIsNoRange) {
@@ -246,7 +262,7 @@ TEST_F(ImportCsvTest, BadObservationsNameFileLineAndReason) {
   };
   ExpectContains(failure("1,Rosa,,,\n1,Hugo,,,\n"),
                  "observations.csv:3: unknown robot: 'Hugo' has no odometry");
-  ExpectContains(failure("1,Rosa,wall,,\n"), "observations.csv:2: unknown landmark: 'wall'");
+  ExpectContains(failure("1,Rosa,wall,,\n"), "observations.csv: unknown landmark: 'wall'");
   ExpectContains(failure("0.5,Rosa,,,\n"),
                  "observations.csv:2: before the first control: 0.500000 before 1.000000");
   ExpectContains(failure("3.5,Rosa,,,\n"),
