@@ -395,6 +395,26 @@ TEST_F(Attack, AMessageWithAFlippedBitIsNotHeard) {
   ASSERT_TRUE(Send(socket, Hello("forged").envelope.SerializeAsString()));
   ASSERT_TRUE(UntilRefused(RefusalKind::kHandshake));
   EXPECT_EQ(taken_.size(), 1u);
+  socket.close();
+  EXPECT_TRUE(Until([&] { return router_->connections() == 0; })) << "the connection ends";
+  ExpectService();
+}
+
+// A second connection of the same name is not read. One whose queue is full when it ends would stay for ever,
+// and abort the process with the first thing that ZeroMQ has to say on it.
+TEST_F(Attack, AConnectionThatEndsWithMuchUnreadIsGone) {
+  Listen();
+  zmq::socket_t first = Wicked(wicked_, router_->endpoint(), "twice");
+  ASSERT_TRUE(Send(first, Hello("first").envelope.SerializeAsString()));
+  ASSERT_TRUE(Until([&] { return HeardOf(wicked_, "first"); }));
+  zmq::socket_t second = Wicked(wicked_, router_->endpoint(), "twice");
+  second.set(zmq::sockopt::sndhwm, 0);
+  for (int i = 0; i < 2'500; ++i) ASSERT_TRUE(Send(second, "x"));
+  ASSERT_TRUE(Until([&] { return router_->connections() == 2; }));
+  second.set(zmq::sockopt::linger, 1'000);  // all of them are sent
+  second.close();
+  first.close();
+  EXPECT_TRUE(Until([&] { return router_->connections() == 0; }));
   ExpectService();
 }
 

@@ -29,8 +29,14 @@ void SetCommonOptions(zmq::socket_t& socket, const SocketOptions& options) {
   socket.set(zmq::sockopt::sndhwm, options.queue_messages);
   socket.set(zmq::sockopt::rcvhwm, options.queue_messages);
   socket.set(zmq::sockopt::handshake_ivl, options.handshake_ms);
-  socket.set(zmq::sockopt::heartbeat_ivl, options.heartbeat_ms);
-  socket.set(zmq::sockopt::heartbeat_timeout, 3 * options.heartbeat_ms);
+  // By TCP, not by ZMTP's pings: those are what is due there by itself (RouterSocket::Bind).
+  constexpr int kPings = 3;
+  const int between_s = std::max(1, options.keepalive_ms / 1000);
+  socket.set(zmq::sockopt::tcp_keepalive, 1);
+  socket.set(zmq::sockopt::tcp_keepalive_idle, between_s);
+  socket.set(zmq::sockopt::tcp_keepalive_intvl, between_s);
+  socket.set(zmq::sockopt::tcp_keepalive_cnt, kPings);
+  socket.set(zmq::sockopt::tcp_maxrt, kPings * options.keepalive_ms);
   socket.set(zmq::sockopt::linger, options.linger_ms);
 }
 
@@ -48,6 +54,9 @@ Result<RouterSocket> RouterSocket::Bind(Context& context, const std::string& end
     impl->socket = zmq::socket_t(impl->context->zmq, zmq::socket_type::router);
     SetCommonOptions(impl->socket, options);
     impl->socket.set(zmq::sockopt::router_mandatory, true);
+    // ZeroMQ 4.3.4 aborts the process over a connection that ends while its queue is full and something is
+    // due to be sent on it. So no queue is: what comes is limited by connection, in bytes (unread_bytes).
+    impl->socket.set(zmq::sockopt::rcvhwm, 0);
     impl->socket.set(zmq::sockopt::ipv6, true);
     if (security) {
       impl->socket.set(zmq::sockopt::curve_server, true);

@@ -21,9 +21,9 @@ struct SocketOptions {
   ConnectionLimits connections;  // Router
   int queue_messages = 1000;     // high-water mark, each way and peer
   int handshake_ms = 5'000;      // a connection that has not shaken hands by then is closed
-  int heartbeat_ms = 5'000;  // ZeroMQ's own pings, so that a vanished machine is noticed: after three of them
-  int linger_ms = 1'000;     // how long a closed socket may still send
-  int reconnect_ms = 100;    // Dealer: first pause, doubled up to reconnect_max_ms
+  int keepalive_ms = 5'000;      // between TCP's pings, so that a vanished machine is noticed: after three
+  int linger_ms = 1'000;         // how long a closed socket may still send
+  int reconnect_ms = 100;        // Dealer: first pause, doubled up to reconnect_max_ms
   int reconnect_max_ms = 2'000;
 };
 

@@ -15,6 +15,7 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace cairn::wire {
 namespace {
@@ -89,6 +90,8 @@ std::mutex g_mutex;
 auto& g_pending_handshakes = *new std::unordered_map<int, PendingHandshake>;
 std::atomic<std::size_t> g_pending_count{0};  // so that others need not wait for the mutex
 
+auto& g_read_to_the_end = *new std::unordered_set<int>;
+
 ino_t SocketNumber(int fd) {
   struct stat info{};
   return ::fstat(fd, &info) == 0 ? info.st_ino : 0;
@@ -96,6 +99,7 @@ ino_t SocketNumber(int fd) {
 
 void Watch(int fd) {
   const std::lock_guard lock(g_mutex);
+  g_read_to_the_end.erase(fd);  // another's, which had the number before
   g_pending_handshakes[fd] = {.socket = SocketNumber(fd), .came = {}, .went = {}};
   g_pending_count = g_pending_handshakes.size();
 }
@@ -115,6 +119,11 @@ bool IsWatched(int fd) {
   g_pending_handshakes.erase(it);
   g_pending_count = g_pending_handshakes.size();
   return false;
+}
+
+void NoteEnd(int fd) {
+  const std::lock_guard lock(g_mutex);
+  g_read_to_the_end.insert(fd);
 }
 
 // False where more came than a handshake has.
@@ -138,6 +147,11 @@ bool Note(int fd, HandshakeBytes PendingHandshake::* direction, std::span<const 
 }  // namespace
 
 void SpareDescriptors(std::size_t spare) { g_spare = spare; }
+
+bool TakeEndOf(int fd) {
+  const std::lock_guard lock(g_mutex);
+  return g_read_to_the_end.erase(fd) > 0;
+}
 
 }  // namespace cairn::wire
 
@@ -169,6 +183,11 @@ extern "C" ssize_t recv(int fd, void* buffer, std::size_t size, int flags) {
   const bool watched = cairn::wire::IsWatched(fd) && (flags & MSG_PEEK) == 0;
   if (watched) size = std::min(size, cairn::wire::kMostHandshakeBytes);
   const ssize_t got = ::syscall(SYS_recvfrom, fd, buffer, size, flags, nullptr, nullptr);
+  if ((got == 0 && size > 0) || (got < 0 && errno != EAGAIN && errno != EINTR)) {
+    const int error = errno;
+    cairn::wire::NoteEnd(fd);
+    errno = error;
+  }
   if (!watched || got <= 0) return got;
   const std::span bytes(static_cast<const unsigned char*>(buffer), static_cast<std::size_t>(got));
   if (cairn::wire::Note(fd, &cairn::wire::PendingHandshake::came, bytes)) return got;

@@ -17,4 +17,8 @@ void SpareDescriptors(std::size_t spare);
 // frame of any size that a message may have from whoever knocks, and keep what comes of it.
 constexpr std::size_t kMostHandshakeBytes = 4096;
 
+// True, once, of a connection that was read to its end, or until it failed: then its peer ended it, or the
+// network, or ShutDownConnection, and not ZeroMQ over what came.
+bool TakeEndOf(int fd);
+
 }  // namespace cairn::wire

@@ -70,6 +70,7 @@ class ZapAuthenticator {
   void Loop();
   void AnswerZap();
   void OnEvent(const Monitor::Event& event);
+  void OnDisconnected(int fd);
   void OnAccepted(int fd);
   bool WithinRate(const std::string& address);
   std::size_t MostConnections() const;
@@ -88,6 +89,7 @@ class ZapAuthenticator {
   std::string endpoint_;
   zmq::socket_t zap_;
   Monitor monitor_;
+  bool told_ = false;                      // why the connection that is disconnected next was refused
   std::map<std::string, Bucket> buckets_;  // by address
   std::atomic<std::size_t> open_count_{0};
   std::mutex mutex_;
