@@ -3,12 +3,15 @@
 #
 #   deploy/build.sh [--check] [PRESET [TARGET…]]
 #
-# PRESET: release (default), debug, asan, tsan. --check: warnings are errors, in that tree from now on.
+# PRESET: release (default), debug, asan, asan-all, tsan. --check: warnings are errors, in that tree from now on.
 set -euo pipefail
 # shellcheck source-path=SCRIPTDIR
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 cd "$root"
 
+case ${1:-} in
+  -h | --help) sed -n '2,6s/^# \{0,1\}//p' "$0"; exit 0 ;;
+esac
 options=()
 if [ "${1:-}" = --check ]; then
   options=(-D CAIRN_WERROR=ON)

@@ -131,16 +131,21 @@ Doubt OfMisfits(const kinds::LandmarkMap::Fit& fit) {
                   misfits, observations, misfits == 1 ? "does" : "do", worst, time_s)};
 }
 
-// Widths estimated from the residuals that are far from what was stated of a sensor.
-Doubt OfWidths(const kinds::LandmarkMap::Fit& fit) {
+// Widths estimated from the residuals that are far from what was stated of a sensor. Where nothing names the
+// landmarks, and most starts led elsewhere, too, the map may explain each of them by a landmark of its own.
+Doubt OfWidths(const kinds::LandmarkMap& map) {
   constexpr double kWider = 1.5, kMuchWider = 3;
+  const kinds::LandmarkMap::Fit& fit = map.fit;
   double wider = 0;
   for (std::size_t k = 0; k < fit.kind.OrNone().size(); ++k)
     if ((fit.kind[k] == "range" || fit.kind[k] == "bearing") && fit.stated[k] > 0)
       wider = std::max(wider, fit.found[k] / fit.stated[k]);
   if (wider <= kWider) return {Confidence::kHigh};
-  return {AtMost(wider, kWider, kMuchWider),
-          fmt::format("ranges or bearings err by {:.1f} times what is stated, or was expected", wider)};
+  const std::string text =
+      fmt::format("ranges or bearings err by {:.1f} times what is stated, or was expected", wider);
+  if (map.search.support && 2 * map.search.support.Scalar() < map.search.starts.Or(0))
+    return {Confidence::kLow, text + ", and most starts led to another map: is the sensor's mount right?"};
+  return {AtMost(wider, kWider, kMuchWider), text};
 }
 
 Doubt OfRun(const kinds::LandmarkMap::Fit& fit) {
@@ -216,7 +221,7 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, Verdict* ve
   verdict->trust = named ? by_number : std::min(verdict->trust, by_number);
   const std::string fitted = fmt::format("{} observations fit the map", observations - misfits);
   verdict->why = named ? fitted : verdict->why + "; " + fitted;
-  for (const Doubt& doubt : {OfMisfits(fit), OfWidths(fit), OfRun(fit), OfJumps(fit),
+  for (const Doubt& doubt : {OfMisfits(fit), OfWidths(map), OfRun(fit), OfJumps(fit),
                              OfDistances(map, verdict), OfTurns(map, verdict)}) {
     verdict->trust = std::min(verdict->trust, doubt.at_most);
     if (!doubt.text.empty()) verdict->why += "; " + doubt.text;

@@ -216,6 +216,10 @@ TEST(LandmarkMapVerdict, OfLandmarksWithoutNamesAtADistanceTheSearchAndTheFitTel
   EXPECT_EQ(searched(5, 2.0, FittedMap(200, 1, 1, 0)).trust, Confidence::kLow);
   EXPECT_EQ(searched(5, 57.25, FittedMap(200, 10, 1, 0)).trust, Confidence::kFair);
   EXPECT_EQ(searched(5, 57.25, FittedMap(200, 50, 4, 0)).trust, Confidence::kLow);
+  EXPECT_EQ(searched(7, 57.25, FittedMap(200, 0, 0, 0, 4, 0.2)).trust, Confidence::kFair);
+  const Verdict few = searched(5, 57.25, FittedMap(200, 0, 0, 0, 4, 0.2));
+  EXPECT_EQ(few.trust, Confidence::kLow) << "of 12 starts, and ranges err twice as much";
+  EXPECT_NE(few.why.find("and most starts led to another map"), std::string::npos) << few.why;
 }
 
 TEST(LandmarkMapVerdict, OfNamedLandmarksTheFitTells) {
