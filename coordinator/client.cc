@@ -162,9 +162,12 @@ Result<wire::Message> Client::AskOnce(wire::Message question, double timeout_s) 
     }
     if (!sent) sent = socket_.Send(question).ok();
     if (std::optional<wire::Received> received = socket_.TryReceive()) {
-      if (received->message.envelope.has_credit()) continue;  // for an upload that is over
-      answered_ = received->status.ok();
-      return Judge(std::move(*received));
+      const bool late_credit = received->message.envelope.has_credit();  // for an upload that is over
+      if (late_credit && Clock::now() < end) continue;
+      if (!late_credit) {
+        answered_ = received->status.ok();
+        return Judge(std::move(*received));
+      }
     }
     if (Clock::now() >= end) {
       const std::string service = "the service at " + options_.endpoint;
