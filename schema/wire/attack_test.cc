@@ -474,6 +474,19 @@ TEST_F(Attack, WhatPilesUpUnreadIsEndedBeforeMemoryIs) {
   EXPECT_EQ(taken_.size(), 1u);
 }
 
+// What comes over a second connection of a name is kept, and not read.
+TEST_F(Attack, WhatComesOverASecondConnectionOfANameIsBounded) {
+  Listen();
+  zmq::socket_t first = Wicked(wicked_, router_->endpoint(), "twice");
+  ASSERT_TRUE(Send(first, Hello("first").envelope.SerializeAsString()));
+  ASSERT_TRUE(Until([&] { return HeardOf(wicked_, "first"); }));
+  zmq::socket_t second = Wicked(wicked_, router_->endpoint(), "twice");
+  second.set(zmq::sockopt::sndhwm, 0);
+  for (int i = 0; i < 8; ++i) ASSERT_TRUE(Send(second, std::string(1 << 20, 'x')));
+  EXPECT_TRUE(UntilRefused(RefusalKind::kOversized));
+  ExpectService();
+}
+
 // A peer may choose the name of its connection, but not the key that goes with each of its messages.
 TEST_F(Attack, AnotherKeyThatTakesAConnectionsNameIsSeenByItsKey) {
   Listen();

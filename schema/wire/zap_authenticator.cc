@@ -315,11 +315,14 @@ void ZapAuthenticator::CloseThoseThatPileUp() {
       if (connection.address.empty()) continue;
       const std::uint64_t came = BytesReceived(fd);
       connection.taken_bytes = std::min(connection.taken_bytes, came);
-      if (came - connection.taken_bytes > limits_.unread_bytes) piled.emplace_back(fd, connection.address);
+      const bool newcomer = allow_list_ && connection.kind == Kind::kNewcomer;
+      const std::size_t most =
+          newcomer ? std::min(limits_.first_word_bytes, limits_.unread_bytes) : limits_.unread_bytes;
+      if (came - connection.taken_bytes > most) piled.emplace_back(fd, connection.address);
     }
   }
   for (const auto& [fd, address] : piled) {
-    Count(RefusalKind::kOversized, address + ": a message that does not end");
+    Count(RefusalKind::kOversized, address + ": a message that does not end, or more than is read");
     ShutDownConnection(fd, endpoint_);
   }
 }
