@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <span>
 
@@ -236,12 +237,33 @@ struct SeenTurn {
   double first_s, second_s;
 };
 
-std::vector<double> ErrorsOf(const std::vector<SeenTurn>& turns, const Reckoning& odometry) {
+// With a heading that drifts by so much all along: half of it turns what was driven.
+std::vector<double> ErrorsOf(const std::vector<SeenTurn>& turns, const Reckoning& odometry,
+                             double drift_rad_per_m = 0) {
   std::vector<double> errors;
-  for (const SeenTurn& turn : turns)
-    errors.push_back(
-        Distance(turn.first, turn.second, Between(odometry.At(turn.first_s), odometry.At(turn.second_s))));
+  for (const SeenTurn& turn : turns) {
+    const Pose moved = Between(odometry.At(turn.first_s), odometry.At(turn.second_s));
+    const double half =
+        -0.5 * drift_rad_per_m * (odometry.DrivenM(turn.second_s) - odometry.DrivenM(turn.first_s));
+    errors.push_back(Distance(turn.first, turn.second, Compose(Compose({0, 0, half}, moved), {0, 0, half})));
+  }
   return errors;
+}
+
+// With the drift that fits best: a strong one must not be taken for another mistake, nor hide one.
+std::vector<double> ErrorsOfBestDrift(const std::vector<SeenTurn>& turns, const Reckoning& odometry) {
+  constexpr int kSteps = 12;  // to either side
+  constexpr double kStep_rad_per_m = 0.25 * std::numbers::pi / 180;
+  std::vector<double> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = -kSteps; k <= kSteps; ++k) {
+    std::vector<double> errors = ErrorsOf(turns, odometry, k * kStep_rad_per_m);
+    const double sum = std::accumulate(errors.begin(), errors.end(), 0.0);
+    if (sum >= least) continue;
+    least = sum;
+    best = std::move(errors);
+  }
+  return best;
 }
 
 // Pairs of observations soon after each other, between which the robot turns or drives: of one landmark, or,
@@ -357,8 +379,8 @@ std::optional<std::string> DoubtSeenAgain(const kinds::Log::Observations& seen,
                                           const kinds::Log::Odometry& odometry) {
   const Reckoning as_is(odometry);
   const std::vector<SeenTurn> turns = FindSeenAgain(seen, as_is);
-  return Best(kOfTurns, kPartOfTurns, "observations", ErrorsOf(turns, as_is),
-              [&](const Reading& reading) { return ErrorsOf(turns, Reckoning(odometry, reading)); });
+  return Best(kOfTurns, kPartOfTurns, "observations", ErrorsOfBestDrift(turns, as_is),
+              [&](const Reading& reading) { return ErrorsOfBestDrift(turns, Reckoning(odometry, reading)); });
 }
 
 // So that nothing below is asked of tables that do not fit each other.

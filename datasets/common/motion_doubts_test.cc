@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "datasets/simulate/office/office.h"
+#include "schema/rng.h"
 
 namespace cairn::datasets {
 namespace {
@@ -119,6 +121,56 @@ TEST(MotionDoubts, BearingsThatAreMirroredShowWithNamesAndWithout) {
     EXPECT_EQ(All(FindMotionDoubts(Circle(named, 1))), "");
     const std::string doubts = All(FindMotionDoubts(Circle(named, -1)));
     EXPECT_NE(doubts.find("directions in which it sees, clockwise?"), std::string::npos) << doubts;
+  }
+}
+
+// In bends to either side, by odometry whose heading drifts, among a lattice of poles.
+kinds::Log Slalom(double drift_rad_per_m, double delay_s, double noise_rad_per_sqrt_m, std::uint64_t seed) {
+  constexpr double kReach_m = 8, kStep_s = 0.1, kStep_m = 0.1;
+  Rng rng(seed);
+  kinds::Log::Robot robot;
+  std::vector<double> time_s, turn_rad, forward_m, seen_s, range_m, bearing_rad;
+  std::vector<std::int32_t> landmark;
+  Pose pose;
+  for (int i = 0; i < 2000; ++i) {
+    const double turn = 0.06 * std::sin(0.02 * i) + 0.02 * std::sin(0.007 * i);
+    pose = Compose(Compose(pose, {0, 0, turn}), {kStep_m, 0, 0});
+    time_s.push_back(kStep_s * i);
+    turn_rad.push_back(turn + drift_rad_per_m * kStep_m +
+                       noise_rad_per_sqrt_m * std::sqrt(kStep_m) * rng.Normal());
+    forward_m.push_back(kStep_m);
+    if (i % 10 != 0) continue;
+    for (int x = -20; x <= 20; ++x) {
+      for (int y = -20; y <= 20; ++y) {
+        const Pose seen = Between(pose, {7.0 * x, 7.0 * y, 0});
+        if (seen.x_m <= 0 || std::hypot(seen.x_m, seen.y_m) > kReach_m) continue;
+        seen_s.push_back(time_s.back() + delay_s);
+        range_m.push_back(std::hypot(seen.x_m, seen.y_m) + 0.1 * rng.Normal());
+        bearing_rad.push_back(std::atan2(seen.y_m, seen.x_m) + 0.02 * rng.Normal());
+        landmark.push_back(41 * x + y + 1000);
+      }
+    }
+  }
+  robot.odometry = {time_s, turn_rad, forward_m};
+  robot.observations = {seen_s, range_m, bearing_rad, landmark, std::vector<std::int32_t>(seen_s.size(), -1)};
+  kinds::Log log;
+  log.robots = std::vector<std::string>{"anna"};
+  log.robot = {robot};
+  return log;
+}
+
+// A drift of 1.5 or 2.5 degrees a metre is neither taken for another clock, nor hides one.
+TEST(MotionDoubts, AStrongDriftIsToldFromAnotherClock) {
+  for (const double drift : {-2.5, -1.5, 0.0, 1.5, 2.5}) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const double drift_rad_per_m = drift * std::numbers::pi / 180;
+      EXPECT_EQ(All(FindMotionDoubts(Slalom(drift_rad_per_m, 0, 0.01, seed))), "") << drift << ' ' << seed;
+      for (const double delay_s : {-1.0, 1.0}) {
+        const std::string doubts = All(FindMotionDoubts(Slalom(drift_rad_per_m, delay_s, 0.01, seed)));
+        EXPECT_NE(doubts.find("do both have the same clock?"), std::string::npos)
+            << drift << ' ' << delay_s << ' ' << seed;
+      }
+    }
   }
 }
 
