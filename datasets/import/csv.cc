@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "datasets/import/alike_names.h"
 #include "datasets/import/csv_reader.h"
 #include "datasets/import/name_index.h"
 #include "datasets/import/pose_controls.h"
@@ -67,6 +68,7 @@ class CsvImport {
       CheckTrueNames();
       Associate();
     }
+    WarnOfAlikeNames();
     SortLandmarks();
     report_.skipped = bad_.counts();
     *log = MakeLog(rows_, options_.odometry, &report_);
@@ -230,6 +232,20 @@ class CsvImport {
                                std::to_string(landmarks_.names().size()) +
                                " landmarks that observations name ('" + first +
                                "' is one): only the others are scored");
+  }
+
+  void WarnOfAlikeNames() {
+    const auto warn = [&](const std::string& path, const std::vector<std::string>& names, const char* kind) {
+      const std::string warning = WarningOfAlikeNames(names, kind);
+      if (!warning.empty()) report_.warnings.push_back(path + ": " + warning);
+    };
+    warn(options_.odometry, robots_.names(), "robots");
+    warn(options_.observations, landmarks_.names(), "landmarks");
+    if (!options_.truth_associations.empty()) return;  // true names may be of a list of their own
+    std::vector<std::string> all = landmarks_.names();
+    all.insert(all.end(), truth_.names().begin(), truth_.names().end());
+    if (WarningOfAlikeNames(landmarks_.names(), "landmarks").empty())
+      warn(options_.truth_landmarks, all, "landmarks");
   }
 
   // Whether there is a pose to observe from; the line is bad where there is none.
