@@ -14,6 +14,7 @@
 #include "datasets/import/name_index.h"
 #include "datasets/import/pose_controls.h"
 #include "datasets/import/skipped_rows.h"
+#include "datasets/import/time_digits.h"
 #include "datasets/import/time_order.h"
 #include "schema/error.h"
 
@@ -139,6 +140,10 @@ class CsvImport {
     has_robots_ = reader.Has(kRobot);
     skipped.RequireHalf(options_.odometry,
                         reader.header() == 2 ? ReadOdometryPoses(&reader) : ReadOdometryControls(&reader));
+    for (const auto& [robot, digits] : digits_) {
+      const std::string doubt = digits.Doubt();
+      if (!doubt.empty()) throw InputError(options_.odometry + ": robot '" + robot + "': " + doubt);
+    }
   }
 
   // The number of good rows.
@@ -154,6 +159,7 @@ class CsvImport {
       const auto last_time = last_times.try_emplace(robot->name, *time).first;
       if (!InOrder(*time, last_time->second, reader)) continue;
       last_time->second = *time;
+      digits_[robot->name].Add(*time);
       Odometry& odometry = robot->odometry;
       odometry.from.file = options_.odometry;
       if (reader->header() == 0)
@@ -174,6 +180,7 @@ class CsvImport {
       RobotRows* robot = heading ? RobotOrNew(reader) : nullptr;
       if (robot == nullptr || !InOrder(*time, robot->odometry_poses.time_s, reader)) continue;
       robot->odometry_poses.from.file = options_.odometry;
+      digits_[robot->name].Add(*time);
       robot->odometry_poses.Add(*time, *x, *y, *heading, reader->line());
       ++good;
     }
@@ -235,17 +242,12 @@ class CsvImport {
   }
 
   void WarnOfAlikeNames() {
-    const auto warn = [&](const std::string& path, const std::vector<std::string>& names, const char* kind) {
-      const std::string warning = WarningOfAlikeNames(names, kind);
-      if (!warning.empty()) report_.warnings.push_back(path + ": " + warning);
-    };
-    warn(options_.odometry, robots_.names(), "robots");
-    warn(options_.observations, landmarks_.names(), "landmarks");
-    if (!options_.truth_associations.empty()) return;  // true names may be of a list of their own
-    std::vector<std::string> all = landmarks_.names();
-    all.insert(all.end(), truth_.names().begin(), truth_.names().end());
-    if (WarningOfAlikeNames(landmarks_.names(), "landmarks").empty())
-      warn(options_.truth_landmarks, all, "landmarks");
+    std::vector<std::string> landmarks = landmarks_.names();
+    if (options_.truth_associations.empty())  // else true names may be of a list of their own
+      landmarks.insert(landmarks.end(), truth_.names().begin(), truth_.names().end());
+    for (const std::string& warning :
+         {WarningOfAlikeNames(robots_.names(), "robots"), WarningOfAlikeNames(landmarks, "landmarks")})
+      if (!warning.empty()) report_.warnings.push_back(warning);
   }
 
   // Whether there is a pose to observe from; the line is bad where there is none.
@@ -383,8 +385,9 @@ class CsvImport {
   ImportReport report_;
   LogRows rows_;
   NameIndex robots_, landmarks_, truth_;
-  bool has_robots_ = true;    // odometry names them
-  bool all_measured_ = true;  // the true positions of all landmarks that have a name
+  std::map<std::string, TimeDigits> digits_;  // of each robot's odometry
+  bool has_robots_ = true;                    // odometry names them
+  bool all_measured_ = true;                  // the true positions of all landmarks that have a name
 };
 
 }  // namespace
