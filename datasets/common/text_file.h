@@ -55,6 +55,7 @@ class BadLines {
   // Throws InputError "FILE:LINE: REASON: DETAIL (--skip-bad …)", or counts the reason where lines are
   // skipped.
   void Add(const std::string& file, std::size_t line, const std::string& reason, const std::string& detail);
+  bool skips() const { return skip_; }
   const std::map<std::string, std::int64_t>& counts() const { return counts_; }
 
  private:

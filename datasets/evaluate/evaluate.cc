@@ -31,6 +31,7 @@ class Evaluator {
     ReadTracks();
     Align();
     ScoreTrajectories();
+    FindOtherFrames();
     if (has_landmarks_) ScoreLandmarks();
     ScoreCalibration();
     if (truth_associations_) {
@@ -125,13 +126,18 @@ class Evaluator {
     }
   }
 
-  void Align() {
+  std::vector<PointPair> PairsOfPoses() const {
     std::vector<PointPair> positions;
     for (const auto& robot : pose_pairs_) {
       for (const auto& [ours, theirs] : robot) {
         positions.push_back({{ours.x_m, ours.y_m}, {theirs.x_m, theirs.y_m}});
       }
     }
+    return positions;
+  }
+
+  void Align() {
+    const std::vector<PointPair> positions = PairsOfPoses();
     if (!positions.empty()) {
       out_.aligned_on = "poses";
       out_.alignment = FitRigid(positions);
@@ -143,7 +149,8 @@ class Evaluator {
     }
   }
 
-  Similarity AlignOnLandmarks() const {
+  // Landmarks whose identities are known, as indices into true_.
+  IndexPairs KnownPairs() const {
     IndexPairs known;
     for (std::size_t k = 0; k < extracted_.size(); ++k) {
       const auto it =
@@ -152,8 +159,18 @@ class Evaluator {
         known.emplace_back(k, static_cast<std::size_t>(it - true_index_.begin()));
       }
     }
+    return known;
+  }
+
+  Similarity AlignOnLandmarks() const {
+    const IndexPairs known = KnownPairs();
     if (known.size() >= 2) return FitRigid(PairUp(extracted_, true_, known));
     return SearchRigid(extracted_, true_, MayMatchIdentity(), Guess());
+  }
+
+  void FindOtherFrames() {
+    out_.other_frame = FindOtherFrame(PairsOfPoses());
+    out_.other_landmark_frame = FindOtherFrame(PairUp(extracted_, true_, KnownPairs()));
   }
 
   // From the associations, as indices into true_.
@@ -266,11 +283,13 @@ Blob TruthUntil(const Blob& log, double until_s) {
   return cut;
 }
 
-void AddLandmarks(const std::optional<LandmarkScore>& score, Scores* scores) {
+void AddLandmarks(const std::optional<LandmarkScore>& score, const std::optional<OtherFrame>& frame,
+                  Scores* scores) {
   if (!score) {
     for (const char* name :
          {"found", "missed", "spurious", "within_3m", "rmse_m", "rmse_similarity_m", "gospa_m"})
       scores->AddForPrograms(std::string("landmarks.") + name, {});
+    AddFrame("landmarks", frame, scores);
     scores->AddForPeople("landmarks", "unknown: the truth has none");
     return;
   }
@@ -281,12 +300,14 @@ void AddLandmarks(const std::optional<LandmarkScore>& score, Scores* scores) {
   scores->Add("landmarks.rmse_m", OrNone(score->rmse_m));
   scores->Add("landmarks.rmse_similarity_m", OrNone(score->rmse_similarity_m));
   scores->Add("landmarks.gospa_m", score->gospa_m);
+  AddFrame("landmarks", frame, scores);
 }
 
 void AddTrajectories(const Evaluation& evaluation, Scores* scores) {
   scores->Add("trajectory.rmse_m", OrNone(evaluation.trajectory_rmse_m),
               evaluation.trajectory_rmse_m ? ", the worst robot" : "unknown: " + evaluation.no_trajectory);
   AddClock(evaluation.other_clock, scores);
+  AddFrame("trajectory", evaluation.other_frame, scores);
   std::vector<Scores> robots;
   for (const RobotScore& robot : evaluation.robots) {
     Scores& row = robots.emplace_back();
@@ -327,7 +348,7 @@ Evaluation Evaluate(const Blob& result, const Blob& truth_log) {
 
 Scores MakeScores(const Evaluation& evaluation) {
   Scores scores;
-  AddLandmarks(evaluation.landmarks, &scores);
+  AddLandmarks(evaluation.landmarks, evaluation.other_landmark_frame, &scores);
   AddTrajectories(evaluation, &scores);
   AddTopology(evaluation, &scores);
   AddCalibration(evaluation.calibration, &scores);

@@ -8,6 +8,7 @@
 
 #include "datasets/evaluate/calibration.h"
 #include "datasets/evaluate/clock.h"
+#include "datasets/evaluate/frame.h"
 #include "datasets/evaluate/matching/point_match.h"
 #include "datasets/evaluate/matching/similarity.h"
 #include "datasets/evaluate/scores.h"
@@ -42,6 +43,8 @@ struct Evaluation {
   std::optional<double> trajectory_rmse_m;  // the worst robot's
   std::string no_trajectory;                // why there is none
   std::optional<OtherClock> other_clock;    // that the truth may have
+  // That true poses may have, and true landmarks; of landmarks whose identities are known.
+  std::optional<OtherFrame> other_frame, other_landmark_frame;
   std::vector<RobotScore> robots;
   std::optional<bool> topology_correct;  // matching/associations.h; none: the truth has no associations
   // Where it has: observations that are truly of a landmark, and those of them that are in none of the map's;

@@ -343,6 +343,27 @@ TEST(EvaluationText, SaysWhyThereIsNoErrorOfTheTrajectory) {
   ExpectContains(MakeScores(Evaluate(result, blind)).ToText(), "unknown: the truth has no poses");
 }
 
+TEST(EvaluationText, AsksWhetherTheTruthIsInAnotherUnit) {
+  Blob result = PerfectLandmarkMap(SquareLog());
+  result.Put("landmarks", Array::Texts({"l0", "l1", "l2", "l3"}));
+  result.PutVector<std::int32_t>("map/landmark_identity", {0, 1, 2, 3});
+  const Blob right = SquareLog();
+  Blob log = right;
+  for (const std::string name :
+       {"landmarks/x_m", "landmarks/y_m", "robot/0/poses/x_m", "robot/0/poses/y_m"}) {
+    std::vector<double> values = Column(log, "truth/" + name);
+    for (double& value : values) value *= 1000;
+    log.PutVector("truth/" + name, values);
+  }
+  const std::string text = MakeScores(Evaluate(result, log)).ToText();
+  for (const std::string line : {"landmarks.frame                 ", "trajectory.frame                "})
+    ExpectContains(text,
+                   line +
+                       "with the true positions divided by 1000 the map's would be 0.000 m off: are they "
+                       "in millimetres?");
+  EXPECT_EQ(MakeScores(Evaluate(result, right)).ToText().find("frame "), std::string::npos);
+}
+
 TEST(EvaluationText, SaysTheMainThings) {
   const std::string text = MakeScores(Evaluate(PerfectLandmarkMap(SquareLog()), SquareLog())).ToText();
   EXPECT_NE(text.find("4 of 4 observed"), std::string::npos);

@@ -6,13 +6,16 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <utility>
 #include <vector>
 
+#include "datasets/import/alike_names.h"
 #include "datasets/import/csv_reader.h"
 #include "datasets/import/name_index.h"
 #include "datasets/import/pose_controls.h"
+#include "datasets/import/skipped_rows.h"
+#include "datasets/import/time_digits.h"
+#include "datasets/import/time_order.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {
@@ -66,6 +69,7 @@ class CsvImport {
       CheckTrueNames();
       Associate();
     }
+    WarnOfAlikeNames();
     SortLandmarks();
     report_.skipped = bad_.counts();
     *log = MakeLog(rows_, options_.odometry, &report_);
@@ -73,8 +77,8 @@ class CsvImport {
   }
 
  private:
-  static constexpr std::size_t kRobot = 1;       // of all columns but those of the true landmarks
-  static constexpr std::size_t kMostNamed = 10;  // columns that are left out
+  static constexpr std::size_t kTime = 0, kRobot = 1;  // of all columns but those of the true landmarks
+  static constexpr std::size_t kMostNamed = 10;        // columns that are left out
   static constexpr std::string_view kOnlyRobot = "robot";
   static constexpr std::size_t kMostRobots = 1000;  // each is a group in the file, and they cost their square
 
@@ -123,64 +127,65 @@ class CsvImport {
     return times.empty() || InOrder(time, times.back(), reader);
   }
   static bool InOrder(double time, double last, CsvReader* reader) {
-    if (time >= last) return true;
-    reader->Bad("time runs backwards",
-                Shown(time) + " after " + Shown(last) +
-                    (reader->Has(kRobot) ? "" : "; rows of several robots need a column 'robot'"));
-    return false;
-  }
-
-  std::int64_t Skipped() const {
-    return std::accumulate(bad_.counts().begin(), bad_.counts().end(), std::int64_t{0},
-                           [](std::int64_t sum, const auto& reason) { return sum + reason.second; });
-  }
-
-  // Refuses a file of which all rows were skipped; `before`: what was skipped before it.
-  void RequireGoodRows(const std::string& path, std::size_t good, std::int64_t before) const {
-    if (good > 0 || Skipped() == before) return;
-    std::string reasons;
-    for (const auto& [reason, count] : bad_.counts())
-      reasons += (reasons.empty() ? "" : ", ") + reason + " (" + std::to_string(count) + ")";
-    throw InputError(path + ": --skip-bad leaves nothing of it; skipped so far: " + reasons +
-                     ". Without --skip-bad the first such row is named");
+    const bool names = reader->Has(kRobot);
+    return InTimeOrder(time, last, kTime, names ? std::optional(kRobot) : std::nullopt,
+                       names ? "" : "; rows of several robots need a column 'robot'", reader);
   }
 
   void ReadOdometry() {
+    const SkippedRows skipped(bad_);
     CsvReader reader = Open(options_.odometry, {{"time_s", "robot?", "turn_rad", "forward_m"},
                                                 {"time_s", "robot?", "v_mps", "omega_radps"},
                                                 {"time_s", "robot?", "x_m", "y_m", "heading_rad"}});
     has_robots_ = reader.Has(kRobot);
-    if (reader.header() == 2) return ReadOdometryPoses(&reader);
-    std::map<std::string, VelocityIntegrator> integrators;
-    std::map<std::string, double> last_times;
-    while (reader.Next()) {
-      const auto time = reader.Number(0), first = time ? reader.Number(2) : time,
-                 second = first ? reader.Number(3) : first;
-      RobotRows* robot = second ? RobotOrNew(&reader) : nullptr;
-      if (robot == nullptr) continue;
-      const auto last_time = last_times.try_emplace(robot->name, *time).first;
-      if (!InOrder(*time, last_time->second, &reader)) continue;
-      last_time->second = *time;
-      Odometry& odometry = robot->odometry;
-      odometry.from.file = options_.odometry;
-      if (reader.header() == 0)
-        odometry.Add(*time, *first, *second);
-      else
-        integrators[robot->name].Add(*time, *first, *second, &odometry);
-      odometry.from.line.resize(odometry.time_s.size(), reader.line());
+    skipped.RequireHalf(options_.odometry,
+                        reader.header() == 2 ? ReadOdometryPoses(&reader) : ReadOdometryControls(&reader));
+    for (const auto& [robot, digits] : digits_) {
+      const std::string doubt = digits.Doubt();
+      if (!doubt.empty()) throw InputError(options_.odometry + ": robot '" + robot + "': " + doubt);
     }
   }
 
-  void ReadOdometryPoses(CsvReader* reader) {
+  // The number of good rows.
+  std::size_t ReadOdometryControls(CsvReader* reader) {
+    std::size_t good = 0;
+    std::map<std::string, VelocityIntegrator> integrators;
+    std::map<std::string, double> last_times;
+    while (reader->Next()) {
+      const auto time = reader->Number(0), first = time ? reader->Number(2) : time,
+                 second = first ? reader->Number(3) : first;
+      RobotRows* robot = second ? RobotOrNew(reader) : nullptr;
+      if (robot == nullptr) continue;
+      const auto last_time = last_times.try_emplace(robot->name, *time).first;
+      if (!InOrder(*time, last_time->second, reader)) continue;
+      last_time->second = *time;
+      digits_[robot->name].Add(*time);
+      Odometry& odometry = robot->odometry;
+      odometry.from.file = options_.odometry;
+      if (reader->header() == 0)
+        odometry.Add(*time, *first, *second);
+      else
+        integrators[robot->name].Add(*time, *first, *second, &odometry);
+      odometry.from.line.resize(odometry.time_s.size(), reader->line());
+      ++good;
+    }
+    return good;
+  }
+
+  std::size_t ReadOdometryPoses(CsvReader* reader) {
+    std::size_t good = 0;
     while (reader->Next()) {
       const auto time = reader->Number(0), x = time ? reader->Number(2) : time, y = x ? reader->Number(3) : x,
                  heading = y ? reader->Number(4) : y;
       RobotRows* robot = heading ? RobotOrNew(reader) : nullptr;
       if (robot == nullptr || !InOrder(*time, robot->odometry_poses.time_s, reader)) continue;
       robot->odometry_poses.from.file = options_.odometry;
+      digits_[robot->name].Add(*time);
       robot->odometry_poses.Add(*time, *x, *y, *heading, reader->line());
+      ++good;
     }
     for (RobotRows& robot : rows_.robots) robot.odometry = ControlsOf(TrackOf(robot.odometry_poses));
+    return good;
   }
 
   void ReadTruthLandmarks() {
@@ -236,6 +241,15 @@ class CsvImport {
                                "' is one): only the others are scored");
   }
 
+  void WarnOfAlikeNames() {
+    std::vector<std::string> landmarks = landmarks_.names();
+    if (options_.truth_associations.empty())  // else true names may be of a list of their own
+      landmarks.insert(landmarks.end(), truth_.names().begin(), truth_.names().end());
+    for (const std::string& warning :
+         {WarningOfAlikeNames(robots_.names(), "robots"), WarningOfAlikeNames(landmarks, "landmarks")})
+      if (!warning.empty()) report_.warnings.push_back(warning);
+  }
+
   // Whether there is a pose to observe from; the line is bad where there is none.
   static bool WhileDriving(double time, const std::vector<double>& controls, CsvReader* reader) {
     const double first = controls.front(), last = controls.back();
@@ -270,7 +284,7 @@ class CsvImport {
   void ReadObservations() {
     CsvReader reader =
         Open(options_.observations, {{"time_s", "robot?", "landmark", "range_m", "bearing_rad"}});
-    const std::int64_t skipped = Skipped();
+    const SkippedRows skipped(bad_);
     std::size_t good = 0;
     while (reader.Next()) {
       const auto time = reader.Number(0);
@@ -286,12 +300,12 @@ class CsvImport {
       robot->observations.from.line.push_back(reader.line());
       ++good;
     }
-    RequireGoodRows(options_.observations, good, skipped);
+    skipped.RequireHalf(options_.observations, good);
   }
 
   void ReadTruthPoses() {
     CsvReader reader = Open(options_.truth_poses, {{"time_s", "robot?", "x_m", "y_m", "heading_rad"}});
-    const std::int64_t skipped = Skipped();
+    const SkippedRows skipped(bad_);
     std::size_t good = 0, outside = 0;
     std::string example;
     while (reader.Next()) {
@@ -308,7 +322,7 @@ class CsvImport {
         example = Shown(*time) + " s, where odometry is of " + Shown(first) + " to " + Shown(last) + " s" +
                   OtherTimes(*time, first, last);
     }
-    RequireGoodRows(options_.truth_poses, good, skipped);
+    skipped.RequireHalf(options_.truth_poses, good);
     if (2 * outside > good)
       report_.warnings.push_back(
           options_.truth_poses + ": " + std::to_string(outside) + " of " + std::to_string(good) +
@@ -371,8 +385,9 @@ class CsvImport {
   ImportReport report_;
   LogRows rows_;
   NameIndex robots_, landmarks_, truth_;
-  bool has_robots_ = true;    // odometry names them
-  bool all_measured_ = true;  // the true positions of all landmarks that have a name
+  std::map<std::string, TimeDigits> digits_;  // of each robot's odometry
+  bool has_robots_ = true;                    // odometry names them
+  bool all_measured_ = true;                  // the true positions of all landmarks that have a name
 };
 
 }  // namespace

@@ -41,7 +41,7 @@ struct CsvImportOptions {
 // that stood still there needs a row that says so), negative range, range 0, beyond the sensor's maximum,
 // outside its field of view, range or bearing alone, a landmark called "-1", "unknown", "none", "nan", "null"
 // or "na", no such observation (associations). Throws InputError "FILE:LINE: REASON: DETAIL"; of a file of
-// observations or true poses of which all rows were skipped, too.
+// odometry, observations or true poses of which more than half of the rows were skipped, too.
 ImportReport ImportCsv(const CsvImportOptions& options, Blob* log);
 
 }  // namespace cairn::datasets

@@ -77,7 +77,11 @@ bool IsSeparatorLine(std::string_view line) { return Trim(line).size() == 5 && l
 
 CsvReader::CsvReader(const std::string& path, const std::vector<std::vector<std::string>>& headers,
                      BadLines* bad)
-    : path_(path), text_(std::make_unique<const std::string>(ReadText(path))), lines_(*text_), bad_(bad) {
+    : path_(path),
+      text_(std::make_shared<const std::string>(ReadText(path))),
+      lines_(*text_),
+      rows_(*text_),
+      bad_(bad) {
   if (!lines_.Next()) throw InputError(path + ": is empty; a header is needed: " + Join(headers[0]));
   if (text_->starts_with("\xFF\xFE") || text_->starts_with("\xFE\xFF"))
     throw InputError(path + ": is UTF-16; save it as UTF-8 (or as plain CSV)");
@@ -89,6 +93,15 @@ CsvReader::CsvReader(const std::string& path, const std::vector<std::vector<std:
   separator_ = SeparatorOf(lines_.text());
   if (!Split()) throw InputError(path + HeaderLine() + "the header has an open quote");
   FindColumns(headers);
+  rows_ = lines_;
+}
+
+CsvReader CsvReader::FromFirstRow(BadLines* bad) const {
+  CsvReader again = *this;
+  again.lines_ = rows_;
+  again.bad_ = bad;
+  again.fields_.clear();  // they look into this one's
+  return again;
 }
 
 std::string CsvReader::HeaderLine() const { return ":" + std::to_string(lines_.number()) + ": "; }

@@ -33,6 +33,9 @@ class CsvReader {
   // Throws InputError for one without a name of its own.
   void TakeExtraColumns();
 
+  // The same file from its first row on, of which nobody was told yet that lines are bad.
+  CsvReader FromFirstRow(BadLines* bad) const;
+
   // Goes to the next row; lines of a wrong number of columns are bad, empty ones are passed over.
   bool Next();
   std::size_t line() const { return lines_.number(); }
@@ -46,6 +49,7 @@ class CsvReader {
   std::optional<std::string_view> Name(std::size_t index);
   // The number in a column, in the unit that was asked for; nothing where it is none, and the line is bad.
   std::optional<double> Number(std::size_t index);
+  bool skips() const { return bad_->skips(); }  // bad lines
   // Calls the line bad.
   void Bad(const std::string& reason, const std::string& detail = {});
 
@@ -57,8 +61,8 @@ class CsvReader {
   static constexpr std::size_t kMissing = static_cast<std::size_t>(-1);
 
   std::string path_;
-  std::unique_ptr<const std::string> text_;  // stays where it is when the reader moves: lines_ looks into it
-  Lines lines_;
+  std::shared_ptr<const std::string> text_;  // stays where it is when the reader moves: lines_ looks into it
+  Lines lines_, rows_;                       // rows_: from the first one on
   BadLines* bad_;
   std::vector<std::string> columns_;  // of the header that fits
   std::vector<std::size_t> places_;   // where they stand in a line, or kMissing

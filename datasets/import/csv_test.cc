@@ -178,14 +178,6 @@ TEST_F(ImportCsvTest, ObservationsOfAnotherClockAreAskedFor) {
   ExpectContains(Failure(), "after 3.000000; is it in microseconds?");
 }
 
-TEST_F(ImportCsvTest, AFileOfWhichAllRowsAreSkippedIsRefused) {
-  options_.skip_bad = true;
-  PutObservations("3600,Rosa,door,2,0\n3601,Rosa,door,2,0\n");
-  ExpectContains(
-      Failure(),
-      "observations.csv: --skip-bad leaves nothing of it; skipped so far: after the last control (2)");
-}
-
 TEST_F(ImportCsvTest, TruthOutsideTheLogIsWarnedOf) {
   PutObservations("1,Rosa,door,2,0\n");
   options_.truth_poses = folder_.Put("p.csv", "time_s,robot,x_m,y_m,heading_rad\n7201,Rosa,0,0,0\n");
@@ -284,11 +276,12 @@ TEST_F(ImportCsvTest, BadObservationsNameFileLineAndReason) {
 
 TEST_F(ImportCsvTest, NamesThatCanBeNoneAreBadLines) {
   const std::string long_name(257, 'x');
-  PutObservations("1,Rosa,L\x1b[31m,1,0\n2,Rosa,a,1,0\n2,Rosa,\xff,1,0\n3,Rosa," + long_name + ",1,0\n");
+  PutObservations("1,Rosa,L\x1b[31m,1,0\n2,Rosa,a,1,0\n2,Rosa,a,1,0\n2,Rosa,a,1,0\n2,Rosa,\xff,1,0\n3,Rosa," +
+                  long_name + ",1,0\n");
   ExpectContains(Failure(), "observations.csv:2: a name that has control characters: landmark is 'L");
   options_.skip_bad = true;
   const ImportReport report = Import();
-  EXPECT_EQ(report.observations, 1);
+  EXPECT_EQ(report.observations, 3);
   EXPECT_EQ(report.skipped.at("a name that is not UTF-8"), 1);
   EXPECT_EQ(report.skipped.at("a name that is longer than 256 bytes"), 1);
   options_.skip_bad = false;
@@ -317,14 +310,16 @@ TEST_F(ImportCsvTest, BadTruthNamesFileLineAndReason) {
 
 TEST_F(ImportCsvTest, SkipBadCountsByReasonAndKeepsTheRest) {
   options_.skip_bad = true;
-  PutObservations("0.5,Rosa,,,\n1,Rosa,,,\n0.9,Rosa,,,\nx,Rosa,,,\n1,Hugo,,,\n1,Rosa,,-1,0\n2,Rosa,,-2,0\n");
+  PutObservations(
+      "0.5,Rosa,,,\n1,Rosa,,,\n0.9,Rosa,,,\nx,Rosa,,,\n1,Hugo,,,\n1,Rosa,,-1,0\n2,Rosa,,-2,0\n2,Rosa,,,\n"
+      "2,Rosa,,,\n2,Rosa,,,\n3,Rosa,,,\n3,Rosa,,,\n");
   const ImportReport report = Import();
   EXPECT_EQ(report.skipped, (std::map<std::string, std::int64_t>{{"before the first control", 1},
                                                                  {"negative range", 2},
                                                                  {"not a number", 1},
                                                                  {"time runs backwards", 1},
                                                                  {"unknown robot", 1}}));
-  EXPECT_EQ(Column<double>("robot/0/observations/time_s"), (std::vector<double>{1}));
+  EXPECT_EQ(Column<double>("robot/0/observations/time_s"), (std::vector<double>{1, 2, 2, 2, 3, 3}));
 }
 
 TEST_F(ImportCsvTest, ColumnsLeftOutAreMentioned) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "datasets/common/unit_doubts.h"
+#include "datasets/import/truth_doubts.h"
 #include "schema/error.h"
 #include "schema/kinds/log.h"
 #include "schema/kinds/odometry_holes.h"
@@ -218,6 +219,9 @@ Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* repor
     log.PutVector("truth/landmarks/x_m", rows.truth_landmarks->x_m);
     log.PutVector("truth/landmarks/y_m", rows.truth_landmarks->y_m);
   }
+  // No more than warnings: truth makes no map wrong.
+  for (std::string& doubt : FindTruthDoubts(Read<kinds::Log>(log)))
+    report->warnings.push_back(std::move(doubt));
   for (const auto& [name, parameter] : NamedParameters(rows.noise)) {
     if (*parameter) log.PutScalar<double>(name, **parameter);
   }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "datasets/common/unit_doubts.h"
+#include "datasets/import/time_order.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {
@@ -18,10 +19,8 @@ std::optional<SampleRow> ReadSampleRow(const SampleColumns& columns, const Sampl
              heading = after(y, columns.heading), turn = after(heading, columns.turn),
              forward = after(turn, columns.forward), left = after(forward, columns.left);
   if (!left) return std::nullopt;
-  if (!run.time_s.empty() && *time < run.time_s.back()) {
-    reader->Bad("time runs backwards", std::to_string(*time) + " after " + std::to_string(run.time_s.back()));
+  if (!run.time_s.empty() && !InTimeOrder(*time, run.time_s.back(), columns.time, std::nullopt, "", reader))
     return std::nullopt;
-  }
   SampleRow row{*time, *x, *y, *heading, {}};
   if (columns.turn) row.turn_rad = *turn;
   if (columns.forward) row.forward_m = *forward;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "datasets/import/csv_reader.h"
+#include "datasets/import/time_order.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {
@@ -17,15 +18,12 @@ TimedInputs::TimedInputs(const std::string& path, BadLines* bad) {
   if (names_.empty()) throw InputError(path + ":1: the header has no inputs: columns beside time_s, run");
   has_runs_ = reader.header() == 0;
   const std::size_t first = has_runs_ ? 2 : 1;
+  const std::optional<std::size_t> run = has_runs_ ? std::optional<std::size_t>(1) : std::nullopt;
   while (reader.Next()) {
     const std::optional<double> time = reader.Number(0);
     if (!time) continue;
     Rows& rows = rows_[has_runs_ ? std::string(reader.Text(1)) : ""];
-    if (!rows.time_s.empty() && *time < rows.time_s.back()) {
-      reader.Bad("time runs backwards",
-                 std::to_string(*time) + " after " + std::to_string(rows.time_s.back()));
-      continue;
-    }
+    if (!rows.time_s.empty() && !InTimeOrder(*time, rows.time_s.back(), 0, run, "", &reader)) continue;
     std::vector<float> input;
     for (std::size_t i = 0; i < names_.size(); ++i) {
       const std::optional<double> value = reader.Number(first + i);

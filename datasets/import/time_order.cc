@@ -1,0 +1,62 @@
+#include "datasets/import/time_order.h"
+
+#include <algorithm>
+#include <functional>
+#include <map>
+
+namespace cairn::datasets {
+namespace {
+
+struct Backwards {
+  std::size_t rows = 0;
+  std::size_t before = 0;  // that are earlier than one above them
+  std::size_t steps = 0;   // that are earlier than the one right above
+};
+
+// Of the whole file, wherever the reader is.
+Backwards CountBackwards(const CsvReader& reader, std::size_t time, std::optional<std::size_t> robot) {
+  struct Last {
+    double latest_s, above_s;
+  };
+  std::map<std::string, Last, std::less<>> robots;
+  Backwards count;
+  BadLines others(true);
+  CsvReader again = reader.FromFirstRow(&others);
+  while (again.Next()) {
+    const std::optional<double> time_s = again.Number(time);
+    if (!time_s) continue;
+    ++count.rows;
+    const std::string name(robot ? again.Text(*robot) : std::string_view());
+    const auto [found, is_first] = robots.try_emplace(name, Last{*time_s, *time_s});
+    if (is_first) continue;
+    Last& last = found->second;
+    if (*time_s < last.above_s) ++count.steps;
+    if (*time_s < last.latest_s) ++count.before;
+    last = {std::max(last.latest_s, *time_s), *time_s};
+  }
+  return count;
+}
+
+// Of a row or two that are out of order sorting would make others of wrong times.
+bool IsUnsorted(const Backwards& count) {
+  constexpr std::size_t kLeastSteps = 2, kLeastShare = 10;  // one in so many rows
+  return count.steps >= kLeastSteps && kLeastShare * count.before >= count.rows;
+}
+
+}  // namespace
+
+bool InTimeOrder(double time_s, double last_s, std::size_t time, std::optional<std::size_t> robot,
+                 const std::string& hint, CsvReader* reader) {
+  if (time_s >= last_s) return true;
+  std::string detail = std::to_string(time_s) + " after " + std::to_string(last_s);
+  if (!reader->skips()) {
+    const Backwards count = CountBackwards(*reader, time, robot);
+    if (IsUnsorted(count))
+      detail += ", as in " + std::to_string(count.before) + " of " + std::to_string(count.rows) +
+                " rows: " + kSortRows;
+  }
+  reader->Bad("time runs backwards", detail + hint);
+  return false;
+}
+
+}  // namespace cairn::datasets
