@@ -140,5 +140,21 @@ TEST(LandmarkMap, ARobotThatNeverMeetsTheOthersLandmarksIsRefused) {
   ExpectContains(ReasonOf(log), "robot 'two' has seen nothing that the first robot saw too");
 }
 
+TEST(LandmarkMap, OfARobotWithoutObservationsItSaysSoAndWhatToDo) {
+  const Blob log = SquareLog{.laps = 4, .identified = true}.Make();
+  for (const std::size_t idle : {0U, 1U}) {
+    Blob both = log;
+    both.Put("robots", Array::Texts({"one", "two"}));
+    both.PutAll("robot/1/", log.Sub("robot/0/"));
+    const std::string observations = "robot/" + std::to_string(idle) + "/observations/";
+    for (const char* column : {"time_s", "range_m", "bearing_rad"})
+      both.PutVector(observations + column, std::vector<double>{});
+    both.PutVector(observations + "landmark", std::vector<std::int32_t>{});
+    ExpectContains(ReasonOf(both), idle == 1
+                                       ? "robot 'two' has no observations: it cannot be placed; leave its"
+                                       : "the first robot has no observations");
+  }
+}
+
 }  // namespace
 }  // namespace cairn::landmark_map
