@@ -38,6 +38,14 @@ TEST(Inspect, TellsWhatALogHolds) {
   ExpectContains(text, "  noise/range_m                     float64  []            m      0.1\n");
 }
 
+TEST(Inspect, NamesAreAsWideAsTheirCharacters) {
+  Blob log = SmallLog();
+  log.Put("robots", Array::Texts({"Öß", "a/b"}));
+  const std::string text = InspectText(Inspected(log, "log"));
+  ExpectContains(text, "  robot Öß    3 controls");
+  ExpectContains(text, "  robot a/b   3 controls");
+}
+
 TEST(Inspect, TellsOfTurretsAndHints) {
   Blob log = SmallLog();
   log.PutVector<double>("robot/0/sonar/beam_x_m", {0, 0});
