@@ -11,15 +11,6 @@
 namespace cairn {
 namespace {
 
-// The character of `bytes` bytes at `at`.
-char32_t CodeAt(std::string_view text, std::size_t at, std::size_t bytes) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  if (bytes == 1) return byte(at);
-  char32_t code = byte(at) & (0xFFU >> (bytes + 1));
-  for (std::size_t i = at + 1; i < at + bytes; ++i) code = code << 6 | (byte(i) & 0x3FU);
-  return code;
-}
-
 bool IsControl(char32_t code) {
   const bool turns = code == 0x061C || code == 0x200E || code == 0x200F ||
                      (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
@@ -63,6 +54,14 @@ std::size_t Utf8Bytes(std::string_view text, std::size_t at) {
   for (std::size_t i = at + 2; i < at + bytes; ++i)
     if ((byte(i) & 0xC0) != 0x80) return 0;
   return bytes;
+}
+
+char32_t CodeAt(std::string_view text, std::size_t at, std::size_t bytes) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  if (bytes == 1) return byte(at);
+  char32_t code = byte(at) & (0xFFU >> (bytes + 1));
+  for (std::size_t i = at + 1; i < at + bytes; ++i) code = code << 6 | (byte(i) & 0x3FU);
+  return code;
 }
 
 std::string WhatIsWrongWithName(std::string_view name, std::size_t most_bytes) {
@@ -125,6 +124,17 @@ std::string Printable(const std::string& text, std::size_t most_bytes) {
     at += std::max<std::size_t>(bytes, 1);
   }
   return safe;
+}
+
+std::size_t TextColumns(std::string_view text) {
+  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0) != 0x80;  // not the rest of a character
+  }));
+}
+
+std::string Padded(std::string text, std::size_t columns) {
+  const std::size_t has = TextColumns(text);
+  return has < columns ? std::move(text) + std::string(columns - has, ' ') : text;
 }
 
 std::string BytesText(std::uint64_t bytes) {

@@ -18,6 +18,8 @@ inline constexpr std::size_t kMostDatasetBytes = 1024;  // of a dataset's name, 
 
 // Bytes of the character of UTF-8 that begins at `at`; 0 where none does (RFC 3629, section 4).
 std::size_t Utf8Bytes(std::string_view text, std::size_t at);
+// The character itself, of so many bytes, which Utf8Bytes has told.
+char32_t CodeAt(std::string_view text, std::size_t at, std::size_t bytes);
 
 // What is wrong with a name: "is longer than 256 bytes", "is not UTF-8", "has control characters"; empty
 // where nothing is. Control characters are C0, DEL and C1, and those that turn the direction of writing
@@ -38,6 +40,10 @@ std::string Escaped(std::string_view text);
 // What others wrote, made fit for a log, a terminal and a message: no control characters, nothing but whole
 // characters of UTF-8 (else '?'), at most `most_bytes` and a '…'.
 std::string Printable(const std::string& text, std::size_t most_bytes);
+
+// For tables: the characters of UTF-8, a column each; and the text with spaces behind it, as wide at least.
+std::size_t TextColumns(std::string_view text);
+std::string Padded(std::string text, std::size_t columns);
 
 // "1.5 GB", for people.
 std::string BytesText(std::uint64_t bytes);

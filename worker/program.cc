@@ -184,7 +184,9 @@ int Run(const Arguments& a, const PipelineFactory& factory) {
 
 // A full disk may show only when the last bytes are written.
 int Print(const std::string& text) {
-  return std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0 ? kExitLost : kExitDone;
+  if (std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0) return kExitDone;
+  std::fputs("cairn-worker: cannot write to the standard output\n", stderr);
+  return kExitLost;
 }
 
 // Belief tables come and go by the hundred. By default the C library gives the larger ones back to the system

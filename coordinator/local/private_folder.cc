@@ -21,7 +21,8 @@ constexpr std::size_t kLongestBase = 60;       // of the 107 characters that a s
 
 fs::path Base() {
   std::error_code error;
-  const fs::path base = fs::temp_directory_path(error);
+  fs::path base = fs::temp_directory_path(error);
+  if (!error) base = fs::absolute(base, error).lexically_normal();  // a socket's name must be absolute
   return error || base.string().size() > kLongestBase ? fs::path("/tmp") : base;
 }
 

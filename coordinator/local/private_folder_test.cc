@@ -59,6 +59,17 @@ TEST_F(PrivateFolderTest, IsForThisUserAloneAndGoesWithItsObject) {
   EXPECT_FALSE(fs::exists(path));
 }
 
+TEST_F(PrivateFolderTest, HasAnAbsoluteNameWhereTmpdirHasNone) {
+  const fs::path before = fs::current_path();
+  fs::current_path(temp_.path());
+  ::setenv("TMPDIR", ".", 1);
+  const Result<PrivateFolder> folder = PrivateFolder::Make();
+  fs::current_path(before);
+  ASSERT_TRUE(folder.ok()) << folder.status().message();
+  EXPECT_TRUE(folder.value().path().is_absolute()) << folder.value().path();
+  EXPECT_TRUE(fs::equivalent(folder.value().path().parent_path(), temp_.path()));
+}
+
 TEST_F(PrivateFolderTest, WhatAKilledProcessLeavesIsRemovedByTheNextAndNotBefore) {
   const fs::path left = MakeElsewhere();
   ASSERT_TRUE(fs::exists(left / "hub"));

@@ -132,7 +132,8 @@ std::string Server::WhatIsWrong(const wire::JobQuery& query) const {
       (query.priority() < kLowestPriority || query.priority() > kHighestPriority))
     return "a priority is a number from -10 to 10";
   const std::string why = WhyNot(*job, *command);
-  return why.empty() ? "" : "cannot " + action + " " + job->id + ": " + why;
+  const std::string verb = command == JobCommand::kPrioritize ? "change the priority of" : action;
+  return why.empty() ? "" : "cannot " + verb + " " + job->id + ": " + why;
 }
 
 void Server::Serve(const std::string& peer, const wire::JobQuery& query) {

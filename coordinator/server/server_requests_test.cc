@@ -178,6 +178,8 @@ TEST(ServerRequests, StatusListCancelAndResume) {
   EXPECT_EQ(fixture.Ask(Query("b", "status")).jobs(0).stages(), 2u);
   EXPECT_EQ(fixture.Ask(Query("a", "cancel")).jobs(0).state(), "cancelled");
   EXPECT_EQ(fixture.Ask(Query("a", "resume")).message(), "cannot resume a: it was cancelled");
+  EXPECT_EQ(fixture.Ask(Query("a", "priority")).message(),
+            "cannot change the priority of a: it was cancelled");
 }
 
 TEST(ServerRequests, ACommandIsDurableWhenItIsAnswered) {

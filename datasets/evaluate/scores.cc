@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "schema/text.h"
+
 namespace cairn::datasets {
 namespace {
 
@@ -82,11 +84,6 @@ std::string WithWords(const std::string& name, const ScoreValue& value, const st
                       bool with_unit) {
   if (std::holds_alternative<std::monostate>(value) && !words.empty()) return words;
   return TextOf(name, value, with_unit) + words;
-}
-
-std::string Padded(std::string text, std::size_t width) {
-  text.resize(std::max(text.size(), width), ' ');
-  return text;
 }
 
 }  // namespace
@@ -167,7 +164,7 @@ std::string Scores::Table(const std::vector<Scores>& rows) {
   }
   std::vector<std::size_t> widths(lines.empty() ? 0 : lines.front().size());
   for (const auto& line : lines) {
-    for (std::size_t k = 0; k < line.size(); ++k) widths[k] = std::max(widths[k], line[k].size());
+    for (std::size_t k = 0; k < line.size(); ++k) widths[k] = std::max(widths[k], TextColumns(line[k]));
   }
   std::string text;
   for (const auto& line : lines) {

@@ -68,6 +68,20 @@ TEST(Scores, RowsAreATableForPeople) {
             "95% intervals                   over 2 runs\n");
 }
 
+TEST(Scores, ColumnsOfATableAreAsWideAsTheirCharacters) {
+  Scores scores, one, other;
+  one.Add("robot", std::string("Ömer 2"));
+  one.Add("poses", std::int64_t{3});
+  other.Add("robot", std::string("Anna 1"));
+  other.Add("poses", std::int64_t{4});
+  scores.AddRows("robots", {one, other});
+  EXPECT_EQ(scores.ToText(),
+            "robots\n"
+            "  robot   poses\n"
+            "  Ömer 2  3\n"
+            "  Anna 1  4\n");
+}
+
 TEST(Scores, GroupsStandUnderTheirName) {
   Scores layer, scores;
   layer.Add("cells.free", std::int64_t{2});

@@ -149,7 +149,7 @@ TEST_F(ImportCsvTest, ALandmarkThatTheTruthDoesNotNameIsAskedForInBothFiles) {
 }
 
 TEST_F(ImportCsvTest, TruePositionsOfSomeLandmarksAreTakenForThese) {
-  PutObservations("1,Rosa,door,2,0\n2,Rosa,plant,2,0\n2,Rosa,stove,2,0\n");
+  PutObservations("1,Rosa,door,2,0\n2,Rosa,plant,2,0\n2,Rosa,stove,2,0\n2,Ugo,door,2,0\n");
   const std::int64_t all = Import().observations;
   const auto without = log_.ContentHash();
   options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\ndoor,1,2\nattic,3,4\n");
@@ -179,7 +179,7 @@ TEST_F(ImportCsvTest, ObservationsOfAnotherClockAreAskedFor) {
 }
 
 TEST_F(ImportCsvTest, TruthOutsideTheLogIsWarnedOf) {
-  PutObservations("1,Rosa,door,2,0\n");
+  PutObservations("1,Rosa,door,2,0\n2,Ugo,door,2,0\n");
   options_.truth_poses = folder_.Put("p.csv", "time_s,robot,x_m,y_m,heading_rad\n7201,Rosa,0,0,0\n");
   const ImportReport report = Import();
   ASSERT_EQ(report.warnings.size(), 1U);
@@ -208,6 +208,14 @@ TEST_F(ImportCsvTest, AHoleInTheOdometryIsWarnedOf) {
   const ImportReport report = Import();
   ASSERT_EQ(report.warnings.size(), 1U);
   ExpectContains(report.warnings.front(), "its odometry lacks 10 s from 20 s on");
+}
+
+TEST_F(ImportCsvTest, ARobotThatObservedNothingIsWarnedOf) {
+  PutObservations("1,Rosa,door,2,0\n");
+  const ImportReport report = Import();
+  ASSERT_EQ(report.warnings.size(), 1U);
+  ExpectContains(report.warnings.front(), "robot 'Ugo' has no observations");
+  ExpectContains(report.warnings.front(), "leave its rows out of the odometry");
 }
 
 TEST_F(ImportCsvTest, NoiseParametersComeAlong) {

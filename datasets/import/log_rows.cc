@@ -9,6 +9,7 @@
 #include "schema/error.h"
 #include "schema/kinds/log.h"
 #include "schema/kinds/odometry_holes.h"
+#include "schema/kinds/robots_without_observations.h"
 
 namespace cairn::datasets {
 namespace {
@@ -214,6 +215,7 @@ Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* repor
   log.Put("robots", Array::Texts(names));
   log.Put("landmarks", Array::Texts(rows.landmarks));
   for (std::string& hole : OdometryHolesOf(log)) report->warnings.push_back(std::move(hole));
+  for (std::string& robot : RobotsWithoutObservationsOf(log)) report->warnings.push_back(std::move(robot));
   if (rows.truth_landmarks) {
     log.Put("truth/landmarks/name", Array::Texts(rows.truth_landmarks->name));
     log.PutVector("truth/landmarks/x_m", rows.truth_landmarks->x_m);

@@ -14,6 +14,7 @@
 #include "schema/kinds/local_map.h"
 #include "schema/kinds/log.h"
 #include "schema/kinds/odometry_holes.h"
+#include "schema/kinds/robots_without_observations.h"
 
 namespace cairn::datasets {
 namespace {
@@ -232,6 +233,8 @@ Result<Inspection> Inspect(const std::string& path) {
   }
   if (kind != nullptr && kind->has_units) inspection.unit_doubts = FindUnitDoubts(blob);
   inspection.warnings = OdometryHolesOf(blob);
+  for (std::string& robot : RobotsWithoutObservationsOf(blob))
+    inspection.warnings.push_back(std::move(robot));
   for (const DatasetInfo& dataset : info.value().datasets) {
     inspection.datasets.push_back(Summarize(dataset, blob.at(dataset.name)));
   }

@@ -31,10 +31,19 @@ TEST(Inspect, TellsWhatALogHolds) {
   ExpectContains(text, "  robot Rosa  3 controls over 2 s, 3 m, 3 observations (1 at the robot)\n");
   ExpectContains(text, "  robot a/b   3 controls over 2 s, 3 m, 0 observations\n");
   ExpectContains(text, "  identities  1 landmark\n");
+  ExpectContains(text, "  warning: robot 'a/b' has no observations");
   ExpectContains(text,
                  "  robot/0/observations/range_m      float64  [3]           m      1 to 2, 1 not finite\n");
   ExpectContains(text, "  robots                            text     [2]                  'Rosa', 'a/b'\n");
   ExpectContains(text, "  noise/range_m                     float64  []            m      0.1\n");
+}
+
+TEST(Inspect, NamesAreAsWideAsTheirCharacters) {
+  Blob log = SmallLog();
+  log.Put("robots", Array::Texts({"Öß", "a/b"}));
+  const std::string text = InspectText(Inspected(log, "log"));
+  ExpectContains(text, "  robot Öß    3 controls");
+  ExpectContains(text, "  robot a/b   3 controls");
 }
 
 TEST(Inspect, TellsOfTurretsAndHints) {

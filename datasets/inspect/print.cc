@@ -3,14 +3,10 @@
 
 #include "datasets/common/array_text.h"
 #include "datasets/inspect/inspect.h"
+#include "schema/text.h"
 
 namespace cairn::datasets {
 namespace {
-
-std::string Padded(std::string text, std::size_t width) {
-  if (text.size() < width) text.append(width - text.size(), ' ');
-  return text;
-}
 
 // One line of a text that may be long and of many lines.
 std::string OneLine(std::string text) {
@@ -57,9 +53,9 @@ std::string InspectText(const Inspection& inspection) {
                    "command does\n"
                  : "; but for `cairn diff` no other command takes it\n");
   std::size_t name_width = 0, fact_width = 0;
-  for (const auto& [name, fact] : inspection.facts) fact_width = std::max(fact_width, name.size());
+  for (const auto& [name, fact] : inspection.facts) fact_width = std::max(fact_width, TextColumns(name));
   for (const DatasetSummary& dataset : inspection.datasets)
-    name_width = std::max(name_width, dataset.info.name.size());
+    name_width = std::max(name_width, TextColumns(dataset.info.name));
   for (const auto& [name, fact] : inspection.facts)
     text += "  " + Padded(name, fact_width) + "  " + fact + "\n";
   for (const std::string& doubt : inspection.unit_doubts) text += "  in doubt: " + doubt + "\n";

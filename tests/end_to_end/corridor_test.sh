@@ -7,6 +7,15 @@ mkdir pictures
 exits 0 cairn simulate corridor --set d1 $small --pictures pictures d1.h5
 says '^d1.h5: 2 runs of 80 snapshots, 164 inputs, features: door, door detected$'
 [ "$(find pictures -name 'd1 run ?.png' -size +1k | wc -l)" -eq 2 ] || die "no picture for each run"
+echo mine >'pictures/d1 run 2.png'
+refuses "d1 run 1.png. is there already" cairn simulate corridor --set d1 $small --pictures pictures again.h5
+rm 'pictures/d1 run 1.png'
+refuses "d1 run 2.png. is there already" cairn simulate corridor --set d1 $small --pictures pictures again.h5
+[ ! -e again.h5 ] && [ ! -e 'pictures/d1 run 1.png' ] || die "a simulation that was refused left a file"
+[ "$(cat 'pictures/d1 run 2.png')" = mine ] || die "a picture was replaced"
+exits 0 cairn simulate corridor --set d1 $small --pictures pictures again.h5 --force
+same_bits d1.h5 again.h5
+rm again.h5
 exits 0 cairn inspect d1.h5
 says 'hand-made features +door, door detected$'
 says 'label error +0.1 m$'

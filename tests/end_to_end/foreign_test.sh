@@ -84,6 +84,9 @@ for file in fifo.h5 /dev/zero; do
   done
 done
 
+refuses 'fifo.h5: is a FIFO, which is not read' cairn report fifo.h5 --out page.html
+refuses 'fifo.h5: is a FIFO, which is not read' cairn export tum fifo.h5 exported
+refuses 'fifo.h5: is a FIFO, which is not read' cairn evaluate fifo.h5 --truth log.h5
 refuses 'fifo.h5. is a device, a pipe or a socket' cairn simulate loop --seed 1 fifo.h5 --force
 refuses 'fifo.h5. is a device, a pipe or a socket' cairn report result --out fifo.h5 --force
 [ -p fifo.h5 ] || die "a file was put in a pipe's place"

@@ -23,10 +23,11 @@ refuses "export: there is no 'foo'" cairn help export foo
 exits 0 cairn help run landmark_map
 refuses "there is no pipeline 'landmrk_map'; did you mean 'landmark_map'" cairn run landmrk_map --help
 for command in 'cairn --help' 'cairn --version' 'cairn help run' 'cairn run --help' 'cairn-worker --help' \
-  'cairn-worker --version' 'cairn-worker --describe'; do
+  'cairn-worker --version' 'cairn-worker --describe' 'cairn-sim --help' 'cairn-sim --seeds 1'; do
   code=0
   $command >/dev/full 2>stderr || code=$?
   [ "$code" -eq 1 ] || die "exit code $code, not 1, where nothing can be written: $command"
+  grep -q '^cairn[a-z-]*: cannot write to the standard output' stderr || die "it does not say why: $command"
 done
 for command in $commands; do
   exits 0 cairn "$command" --help

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <sstream>
 #include <string>
 
 #include "tests/simulation/world.h"
@@ -33,6 +34,13 @@ void PrintStats(const Coverage& sum) {
                 cairn::simulation::kMarkTexts[mark]);
 }
 
+// A full disk may show only when the last bytes are written.
+int ExitCode(int code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  std::fputs("cairn-sim: cannot write to the standard output\n", stderr);
+  return 1;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -55,7 +63,10 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    std::ostringstream help;
+    if (app.exit(error, help) != 0) return 2;
+    std::fputs(help.str().c_str(), stdout);
+    return ExitCode(0);
   }
   std::signal(SIGABRT, SayAbort);
 
@@ -82,5 +93,5 @@ int main(int argc, char** argv) {
   std::printf("%llu worlds, %llu failed; %llu events, %.1f simulated hours\n",
               static_cast<unsigned long long>(worlds), static_cast<unsigned long long>(failed),
               static_cast<unsigned long long>(events), simulated_s / 3600);
-  return failed == 0 ? 0 : 1;
+  return ExitCode(failed == 0 ? 0 : 1);
 }

@@ -8,13 +8,17 @@
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/suggest.h"
 #include "schema/kinds/kind.h"
+#include "schema/store/regular_file.h"
 
 namespace cairn::cli {
 
 namespace fs = std::filesystem;
 
 std::vector<std::string> FilesOf(const std::string& folder) {
-  if (!fs::is_directory(folder)) throw InputError("there is no file or folder '" + folder + "'");
+  if (!fs::is_directory(folder)) {
+    if (fs::exists(folder)) Check(RegularFile::Open(folder).status());  // says what it is
+    throw InputError("there is no file or folder '" + folder + "'");
+  }
   std::vector<std::string> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (entry.is_regular_file() && entry.path().extension() == ".h5") files.push_back(entry.path().string());

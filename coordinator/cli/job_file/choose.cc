@@ -9,6 +9,7 @@
 #include "schema/error.h"
 #include "schema/geometry.h"
 #include "schema/kinds/log.h"
+#include "schema/kinds/robots_without_observations.h"
 
 namespace cairn::cli {
 namespace {
@@ -167,6 +168,8 @@ ChosenJob ChooseJob(const Blob& blob) {
     throw InputError(
         "the log has no observations of landmarks and no range scans: there is nothing to make a map of");
   CheckPaths(log, all.observations > 0);
+  if (const auto unplaced = RobotsWithoutObservationsOf(blob); !unplaced.empty())
+    throw InputError(unplaced.front());
   ChosenJob chosen;
   chosen.job.set_name("map");
   if (all.observations > 0) {

@@ -115,6 +115,14 @@ TEST(ChooseJob, OfARobotWhosePathNobodyCanKnowItSaysSo) {
   EXPECT_EQ(Stages(ChooseJob(LogOf({.scans = 3, .poses = true, .odometry = false}))), "grid forward_map");
 }
 
+TEST(ChooseJob, OfARobotThatNoMapCanPlaceItSaysSo) {
+  Blob log = LogOf({.robots = 2, .observations = 3});
+  for (const char* column : {"time_s", "range_m", "bearing_rad"})
+    log.PutVector(std::string("robot/1/observations/") + column, std::vector<double>{});
+  log.PutVector("robot/1/observations/landmark", std::vector<std::int32_t>{});
+  EXPECT_THROW(ChooseJob(log), InputError);
+}
+
 TEST(ChooseJob, OfALogWithNothingToMapItSaysSo) { EXPECT_THROW(ChooseJob(LogOf({})), InputError); }
 
 }  // namespace

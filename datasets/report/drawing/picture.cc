@@ -7,6 +7,7 @@
 
 #include "datasets/report/drawing/format.h"
 #include "schema/hash.h"
+#include "schema/text.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -174,9 +175,7 @@ std::string Picture::Svg() const {
 }
 
 double TextWidth(std::string_view text, double font) {
-  const auto letters =
-      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
-  return 0.6 * font * static_cast<double>(letters);
+  return 0.6 * font * static_cast<double>(TextColumns(text));
 }
 
 LegendEntry LineEntry(std::string_view classes, const std::string& text) {

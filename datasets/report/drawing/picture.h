@@ -85,7 +85,7 @@ class Picture {
   // The shapes alone, and whole; both empty where there is none.
   std::string SvgShapes() const;
   std::string Svg() const;
-  // The bytes of a file `scale` times as wide and high. Letters beyond ASCII become '?', but for dashes.
+  // The bytes of a file `scale` times as wide and high. Letters beyond ASCII are drawn as ascii.h says.
   std::string Png(double scale = kFileScale) const;
 
  private:

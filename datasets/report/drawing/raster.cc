@@ -5,6 +5,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "datasets/report/drawing/ascii.h"
 #include "datasets/report/drawing/picture.h"
 #include "datasets/report/drawing/style.h"
 
@@ -19,15 +20,6 @@ constexpr double kFontHeight = 21, kCapitals = 0.65;  // of a capital letter: at
 
 cv::Scalar Colour(Rgb rgb) {
   return {static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])};
-}
-
-// What OpenCV's letters can show.
-std::string Ascii(std::string text) {
-  for (const std::string_view dash : {"−", "–"}) {
-    for (std::size_t at = text.find(dash); at != std::string::npos; at = text.find(dash))
-      text.replace(at, dash.size(), "-");
-  }
-  return text;
 }
 
 class Painter {

@@ -147,9 +147,13 @@ void AddFeatures(const corridor::View& view, const std::vector<float>& ranges, L
   run->feature.push_back(detected ? 1 : 0);
 }
 
+bool ComesBack(const SimulateCorridorOptions& options, int number) {
+  return options.both_ways && number % 2 == 1;
+}
+
 SampleRun SimulateRun(const corridor::World& world, const SimulateCorridorOptions& options, Look look,
                       int number, std::vector<CorridorPicture>* pictures) {
-  const bool back = options.both_ways && number % 2 == 1;
+  const bool back = ComesBack(options, number);
   const std::uint64_t set = static_cast<std::uint64_t>(look) + (options.changed > 0 ? kSets : 0);
   const std::uint64_t stream = 1 + set * kMostRuns + static_cast<std::uint64_t>(number);
   Rng run_rng(options.seed, stream, kRunSubstream), camera_rng(options.seed, stream, kCameraSubstream),
@@ -158,8 +162,7 @@ SampleRun SimulateRun(const corridor::World& world, const SimulateCorridorOption
   const corridor::Scene scene(world, drive);
   const corridor::Shade shade(scene);
   SampleRun run;
-  run.name = options.set + (options.changed > 0 ? " changed" : "") + " run " + std::to_string(number + 1) +
-             (back ? " back" : "");
+  run.name = CorridorRunName(options, number);
   std::vector<corridor::RgbImage> shown;
   for (const Snapshot& snapshot : drive.snapshots) {
     const corridor::View view = TakeImage(scene, shade, snapshot, look, camera_rng);
@@ -181,6 +184,11 @@ SampleRun SimulateRun(const corridor::World& world, const SimulateCorridorOption
 const std::vector<std::string>& CorridorSets() {
   static const std::vector<std::string> sets{"d1", "d2", "d3"};
   return sets;
+}
+
+std::string CorridorRunName(const SimulateCorridorOptions& options, int number) {
+  return options.set + (options.changed > 0 ? " changed" : "") + " run " + std::to_string(number + 1) +
+         (ComesBack(options, number) ? " back" : "");
 }
 
 Blob SimulateCorridor(const SimulateCorridorOptions& options, std::vector<CorridorPicture>* pictures) {

@@ -26,6 +26,9 @@ struct SimulateCorridorOptions {
   double changed = 0;      // share of what hangs, stands or is painted that was changed since: 0 to 1
 };
 
+// Of the run of this number, from 0 on: "d1 run 1".
+std::string CorridorRunName(const SimulateCorridorOptions& options, int number);
+
 // A PNG of images along a run.
 struct CorridorPicture {
   std::string name, png;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "pipelines/common/handed_over.h"
 #include "pipelines/common/odometry.h"
@@ -157,6 +158,17 @@ class StepPlanner {
   OdometricPose last_{};
 };
 
+// Of a robot none of whose observations tells where it is in the first robot's map.
+[[noreturn]] void RefuseUnplaced(const std::string& name, bool observed, const std::vector<bool>& shared) {
+  if (!observed)
+    throw InputError("robot '" + name +
+                     "' has no observations: it cannot be placed; leave its rows out of the odometry");
+  if (std::ranges::none_of(shared, std::identity{}))
+    throw InputError("the first robot has no observations: robot '" + name +
+                     "' cannot be placed in its map; leave the first robot's rows out of the odometry");
+  throw InputError("robot '" + name + "' has seen nothing that the first robot saw too: it cannot be placed");
+}
+
 }  // namespace
 
 MotionIncrement RobotSteps::IncrementTo(int step) const {
@@ -232,10 +244,8 @@ RobotSteps MakeSteps(const kinds::Log::Robot& robot, const std::string& name, co
   std::size_t begin = 0;
   if (shared != nullptr) {
     while (begin < detections.size() && !(*shared)[static_cast<std::size_t>(detections[begin].type)]) ++begin;
-    if (begin == detections.size()) {
-      throw InputError("robot '" + name +
-                       "' has seen nothing that the first robot saw too: it cannot be placed");
-    }
+    if (begin == detections.size())
+      RefuseUnplaced(name, !robot.observations.time_s.OrNone().empty(), *shared);
   }
   StepPlanner(odometry, rules).Plan(detections, begin, shared != nullptr, &steps);
   return steps;

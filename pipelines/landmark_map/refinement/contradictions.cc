@@ -3,13 +3,22 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <set>
 
+#include "schema/kinds/log.h"
 #include "schema/kinds/odometry_holes.h"
 
 namespace cairn::landmark_map {
 namespace {
 
 constexpr double kShareElsewhere = 0.25, kLeastElsewhere = 4.0;  // of a landmark's observations
+
+constexpr const char* kCausesOfNamed =
+    "do bearings grow counter-clockwise from ahead, are ranges in metres, do odometry and observations use "
+    "one clock, was it moved, and were identities mixed up?";
+constexpr const char* kCausesOfErrors =
+    " Or are errors of the sensor or of odometry larger than the log states, or than is taken by default "
+    "(`cairn import csv --help`: --contact-m, --range-m, --heading-drift-rad-per-m)?";
 
 // The landmarks that a layer of counts would hold if it could hold several.
 std::vector<Landmark> Places(const Layer& count, const MapRules& rules) {
@@ -30,6 +39,23 @@ std::string HolesIn(const Blob& log) {
   return text;
 }
 
+// Where each other robot names a landmark that the first one names too, none was somewhere else: who saw
+// what. Empty where there is such a robot that names none.
+std::string SeenByTwo(const kinds::Log& log) {
+  std::string text;
+  const auto of_first = log.robot[0].observations.landmark.OrNone();
+  const std::set<std::int32_t> named(of_first.begin(), of_first.end());
+  for (std::size_t r = 1; r < log.robot.size(); ++r) {
+    const auto seen = log.robot[r].observations.landmark.OrNone();
+    const auto both = std::ranges::find_if(seen, [&](std::int32_t k) { return k >= 0 && named.contains(k); });
+    if (both == seen.end()) return "";
+    if (r == 1)
+      text = "'" + log.robots[0] + "' and '" + log.robots[1] + "' have both seen '" +
+             log.landmarks[static_cast<std::size_t>(*both)] + "': ";
+  }
+  return text;
+}
+
 }  // namespace
 
 std::vector<InTwoPlaces> LandmarksInTwoPlaces(const LayeredGrid& counts, const MapRules& rules,
@@ -46,10 +72,9 @@ std::vector<InTwoPlaces> LandmarksInTwoPlaces(const LayeredGrid& counts, const M
     std::snprintf(
         text, sizeof text,
         "' stands in two places: %.0f of its %.0f observations are around (%.2f, %.2f) m, %.0f around "
-        "(%.2f, %.2f) m; do bearings grow counter-clockwise from ahead, are ranges in metres, "
-        "do odometry and observations use one clock, was it moved, and were identities mixed up?",
+        "(%.2f, %.2f) m; %s",
         places[0].count, count.Sum(), places[0].x_m, places[0].y_m, places[1].count, places[1].x_m,
-        places[1].y_m);
+        places[1].y_m, kCausesOfNamed);
     found.push_back({type,
                      std::hypot(places[0].x_m - places[1].x_m, places[0].y_m - places[1].y_m),
                      "the log contradicts itself: landmark '" + names[static_cast<std::size_t>(type)] + text +
@@ -97,7 +122,7 @@ void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
         "' fits nowhere into the first robot's map: its %.0f observations are %.1f nats likelier there "
         "than if every one were false; was it ever where the first robot was?",
         count, gain);
-    throw InputError("robot '" + robots[r] + text + HolesIn(log));
+    throw InputError("robot '" + robots[r] + text + kCausesOfErrors + HolesIn(log));
   }
 }
 
@@ -114,9 +139,11 @@ void CheckRobotsAgree(const RoundSum& sum, const Blob& history, double places, s
   std::snprintf(
       text, sizeof text,
       "the robots contradict each other: in the map of all, what the first robot saw is %.1f nats less "
-      "likely than in its own; was one of them somewhere else?",
+      "likely than in its own; ",
       lost);
-  throw InputError(text + HolesIn(log));
+  const std::string seen = SeenByTwo(Read<kinds::Log>(log));
+  const std::string causes = seen.empty() ? "was one of them somewhere else?" : seen + kCausesOfNamed;
+  throw InputError(text + causes + kCausesOfErrors + HolesIn(log));
 }
 
 }  // namespace cairn::landmark_map

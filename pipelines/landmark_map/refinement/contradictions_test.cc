@@ -94,6 +94,39 @@ TEST(StillInTwoPlaces, LeastSquaresFindsTheOneOrDoesNot) {
   EXPECT_EQ(StillInTwoPlaces(found, landmarks, &fit).size(), 1U);
 }
 
+// Of two robots that observed these landmarks, and whose maps cost the first one 100 nats.
+std::string WhyTheyDisagree(std::int32_t first, std::int32_t second) {
+  Blob log = Named("tower");
+  log.Put("robots", Array::Texts({"one", "two"}));
+  log.PutVector("robot/0/observations/landmark", std::vector<std::int32_t>{-1, first});
+  log.PutVector("robot/1/observations/landmark", std::vector<std::int32_t>{-1, second});
+  Blob history;
+  history.PutVector("robots", std::vector<std::int64_t>{1, 2});
+  history.PutVector("log_likelihood", std::vector<double>{100.0, 0.0});
+  try {
+    CheckRobotsAgree(RoundSum(Settings(), 2), history, 4.0, 10, log);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CheckRobotsAgree, WhereNamesSayThatTheyMetTheSameTheyWereNotElsewhere) {
+  const std::string named = WhyTheyDisagree(0, 0);
+  ExpectContains(named, "the robots contradict each other");
+  EXPECT_EQ(named.find("somewhere else"), std::string::npos) << named;
+  for (const char* cause :
+       {"'one' and 'two' have both seen 'tower'", "do bearings grow counter-clockwise",
+        "are ranges in metres", "use one clock", "was it moved", "were identities mixed up?"})
+    ExpectContains(named, cause);
+  const std::string unnamed = WhyTheyDisagree(0, -1);
+  ExpectContains(unnamed, "was one of them somewhere else?");
+  for (const std::string& reason : {named, unnamed})
+    for (const char* option : {"errors of the sensor or of odometry larger", "--contact-m", "--range-m",
+                               "--heading-drift-rad-per-m"})
+      ExpectContains(reason, option);
+}
+
 TEST(LandmarkMap, ARobotThatNeverMeetsTheOthersLandmarksIsRefused) {
   Blob log = SquareLog{.laps = 4, .side_m = 20.0, .ranged = true, .identified = true}.Make();
   Blob other = SquareLog{.laps = 4, .side_m = 20.0, .ranged = true, .identified = true, .seed = 2}.Make();
@@ -105,6 +138,22 @@ TEST(LandmarkMap, ARobotThatNeverMeetsTheOthersLandmarksIsRefused) {
   log.Put("robots", Array::Texts({"one", "two"}));
   log.PutAll("robot/1/", other.Sub("robot/0/"));
   ExpectContains(ReasonOf(log), "robot 'two' has seen nothing that the first robot saw too");
+}
+
+TEST(LandmarkMap, OfARobotWithoutObservationsItSaysSoAndWhatToDo) {
+  const Blob log = SquareLog{.laps = 4, .identified = true}.Make();
+  for (const std::size_t idle : {0U, 1U}) {
+    Blob both = log;
+    both.Put("robots", Array::Texts({"one", "two"}));
+    both.PutAll("robot/1/", log.Sub("robot/0/"));
+    const std::string observations = "robot/" + std::to_string(idle) + "/observations/";
+    for (const char* column : {"time_s", "range_m", "bearing_rad"})
+      both.PutVector(observations + column, std::vector<double>{});
+    both.PutVector(observations + "landmark", std::vector<std::int32_t>{});
+    ExpectContains(ReasonOf(both), idle == 1
+                                       ? "robot 'two' has no observations: it cannot be placed; leave its"
+                                       : "the first robot has no observations");
+  }
 }
 
 }  // namespace

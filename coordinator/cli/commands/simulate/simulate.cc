@@ -37,19 +37,26 @@ struct CorridorOptions {
   bool force = false;
 };
 
-void WritePictures(const std::string& folder, const std::vector<datasets::CorridorPicture>& pictures) {
-  for (const datasets::CorridorPicture& picture : pictures)
-    Check(WriteTextAtomically(folder + "/" + picture.name + ".png", picture.png));
+std::string PictureOf(const CorridorOptions& options, const std::string& run) {
+  return (std::filesystem::path(options.pictures) / (run + ".png")).string();
+}
+
+void CheckPictures(const CorridorOptions& options) {
+  if (options.pictures.empty()) return;
+  if (!std::filesystem::is_directory(options.pictures))
+    throw InputError("there is no folder '" + options.pictures + "' to write pictures to");
+  for (int number = 0; number < options.corridor.runs; ++number)
+    CheckOverwrite(PictureOf(options, datasets::CorridorRunName(options.corridor, number)), options.force);
 }
 
 int SimulateCorridor(const CorridorOptions& options, const Invocation&) {
   CheckOverwrite(options.out, options.force);
-  if (!options.pictures.empty() && !std::filesystem::is_directory(options.pictures))
-    throw InputError("there is no folder '" + options.pictures + "' to write pictures to");
+  CheckPictures(options);
   std::vector<datasets::CorridorPicture> pictures;
   const Blob samples =
       datasets::SimulateCorridor(options.corridor, options.pictures.empty() ? nullptr : &pictures);
-  WritePictures(options.pictures, pictures);
+  for (const datasets::CorridorPicture& picture : pictures)
+    Check(WriteTextAtomically(PictureOf(options, picture.name), picture.png));
   Check(WriteBlobFile(options.out, "samples", samples));
   std::printf("%s: %d run%s of %d snapshots, %zu inputs, features: %s\n", options.out.c_str(),
               options.corridor.runs, options.corridor.runs == 1 ? "" : "s", options.corridor.snapshots,
@@ -86,7 +93,7 @@ void AddCorridor(Command simulate, Invocation& call) {
   app.AddFlag("--images", corridor.images,
               "The images themselves instead of 140 inputs (for image_features)");
   app.Add("--pictures", options->pictures, "A folder: writes a PNG for each run, an image a metre");
-  app.AddFlag("--force", options->force, "Replace OUT.h5 where it is there already");
+  app.AddFlag("--force", options->force, "Replace OUT.h5 and pictures where they are there already");
   app.Add("OUT.h5", options->out, "The samples to write").Required();
 }
 
