@@ -34,8 +34,9 @@ TEST(AlikeNames, AreWarnedOfAtImport) {
   EXPECT_EQ(ImportCsv(options, &log).warnings.size(), 2U);
   ExpectContains(ImportCsv(options, &log).warnings.front(), "'anna' and 'Anna' are taken for two robots");
   ExpectContains(ImportCsv(options, &log).warnings.back(), "'door' and 'DOOR' are taken for two landmarks");
-  options.observations =
-      folder.Put("s.csv", "time_s,robot,landmark,range_m,bearing_rad\n1,anna,door,2,0\n1,anna,07,2,0\n");
+  options.observations = folder.Put(
+      "s.csv",
+      "time_s,robot,landmark,range_m,bearing_rad\n1,anna,door,2,0\n1,anna,07,2,0\n1,Anna,door,2,0\n");
   options.truth_landmarks = folder.Put("t.csv", "landmark,x_m,y_m\ndoor,1,2\n7,3,4\n");
   ExpectContains(ImportCsv(options, &log).warnings.back(), "'07' and '7' are taken for two landmarks");
 }
