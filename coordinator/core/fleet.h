@@ -88,7 +88,7 @@ class Fleet {
 
   std::uint64_t next_number_ = 1;
   std::map<std::uint64_t, Worker> workers_;
-  std::map<std::string, std::uint64_t> numbers_;  // by peer
+  std::map<std::string, std::uint64_t> numbers_;      // by peer
   std::map<std::uint64_t, std::uint64_t> processes_;  // numbers, by Hello.process where it says one
   std::size_t able_ = 0;
   ByLoad open_;                                     // those that have room

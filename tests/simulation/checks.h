@@ -140,11 +140,11 @@ class Checks {
   std::optional<int> blamed_before_;  // failures of the task that who says Hello had lost
   // Of the coordinator's process under way.
   std::uint64_t process_ = 0;
-  std::set<std::string> draining_;                            // workers that it knows to be about to leave
-  std::map<std::uint64_t, Lost> lost_;                        // by Hello.process
-  double now_s_ = 0, ticked_s_ = 0;                           // of the last event; of what was no standstill
-  std::set<std::string> there_, heard_;                       // workers; those just heard of
-  std::set<std::string> spared_;                              // that must not be lost until then
+  std::set<std::string> draining_;       // workers that it knows to be about to leave
+  std::map<std::uint64_t, Lost> lost_;   // by Hello.process
+  double now_s_ = 0, ticked_s_ = 0;      // of the last event; of what was no standstill
+  std::set<std::string> there_, heard_;  // workers; those just heard of
+  std::set<std::string> spared_;         // that must not be lost until then
   double spared_until_s_ = 0;
   std::map<std::string, std::set<std::uint64_t>> malformed_;  // workers that gave malformed answers, by job
 };

@@ -10,8 +10,8 @@ using namespace coordinator;  // NOLINT: events and actions, all over this file
 
 namespace {
 
-constexpr double kSoon_s = 30;     // less than CoreOptions::back_s
-constexpr int kMostExcuses = 15;   // fewer than the core believes
+constexpr double kSoon_s = 30;    // less than CoreOptions::back_s
+constexpr int kMostExcuses = 15;  // fewer than the core believes
 
 }  // namespace
 
@@ -84,7 +84,7 @@ void Checks::ForgetWorkers() {
 const TaskRecord* Checks::FindLost(const Core& core, const Lost& lost) const {
   const Job* job = core.FindJob(lost.key.job());
   return job != nullptr && !job->Ended() && job->IsUnderWay(lost.key) ? &job->tasks.task(lost.key.task())
-                                                                       : nullptr;
+                                                                      : nullptr;
 }
 
 void Checks::NoteLost(const Core& core, const Event& event) {
