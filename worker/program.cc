@@ -12,6 +12,7 @@
 #include <atomic>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <sstream>
 
 #include "schema/build_info.h"
@@ -131,6 +132,12 @@ Result<std::optional<wire::ClientSecurity>> ReadSecurity(const Arguments& a) {
   return std::optional(wire::ClientSecurity{std::move(keys).value(), std::move(server).value()});
 }
 
+// Never 0. A process id is no such name: in a container each process may have the same.
+std::uint64_t DrawProcess() {
+  std::random_device device;
+  return (static_cast<std::uint64_t>(device()) << 32 | device()) | 1;
+}
+
 WorkerOptions MakeOptions(const Arguments& a) {
   FixNumericsOfThread();
   WorkerOptions options;
@@ -142,6 +149,7 @@ WorkerOptions MakeOptions(const Arguments& a) {
   hello.set_host(host.data());
   hello.set_pid(::getpid());
   hello.set_slots(static_cast<std::uint32_t>(a.slots));
+  hello.set_process(DrawProcess());
   options.task_memory_mb = a.task_memory_mb;
   options.drain = &g_drain;
   options.drain_s = a.drain_s;

@@ -8,6 +8,7 @@ namespace cairn::coordinator {
 std::vector<Action> Core::Handle(const Event& event, double now_s) {
   CAIRN_DEMAND(now_s >= now_s_, "time runs backwards");
   now_s_ = now_s;
+  LeaveOutStandstill();
   std::visit([this](const auto& e) { On(e); }, event);
   Settle();
   return std::exchange(actions_, {});

@@ -27,6 +27,7 @@ namespace cairn::coordinator {
 struct CoreOptions {
   double heartbeat_s = 1;       // workers send heartbeats at least this often
   double lease_s = 10;          // a worker not heard of for this long is lost
+  double back_s = 60;           // a worker that is lost and says Hello within this long has not ended
   double unlisted_s = 4;        // a task given this long ago that no heartbeat lists never arrived
   double hung_s = 60;           // a RUN task whose tick count stands still for this long goes elsewhere
   double plan_hung_s = 3600;    // the same of START and ADVANCE, which do not tick while they reduce
@@ -41,6 +42,12 @@ struct CoreOptions {
   std::uint64_t task_memory_mb = 0;  // the same
   std::uint32_t protocol = 2;        // Hello.protocol that is spoken here
   wire::Build build;                 // of the coordinator: bits of another must not be mixed with its own
+};
+
+// What a worker ran whose connection is lost.
+struct LostAttempt {
+  wire::TaskKey key;
+  double since_s = 0;
 };
 
 class Core {
@@ -101,6 +108,8 @@ class Core {
   // Null where it may work here.
   std::optional<wire::Refusal> WhyRefused(const wire::Hello& hello) const;
   Worker* Heard(const std::string& peer);  // null, and asked to say Hello, where it is not known
+  // It says Hello anew, and has forgotten its tasks. True where it was to leave.
+  bool Forget(Worker* known, const std::string& how);
   void BeginDraining(Worker& worker);
   void TellDrain(const Worker& worker);
   void DropUnlisted(Worker& worker, const wire::Heartbeat& heartbeat);
@@ -109,6 +118,7 @@ class Core {
   // Its running task has failed, and what it has queued goes elsewhere; it gets nothing until it moves.
   void GiveUp(Worker& worker, const std::string& why);
   std::string WhyGiveUp(const Worker& worker) const;  // empty: there is no reason to
+  void LeaveOutStandstill();
 
   // answers.cc
   void RefuseAnswer(const Worker& worker, const wire::TaskKey& key);
@@ -128,6 +138,10 @@ class Core {
   // The attempt at `task` has failed, by its worker's fault.
   void Exclude(Job& job, const wire::TaskKey& key, Worker& worker, const std::string& wrong);
   void FailAttempt(Job& job, std::uint32_t task, const std::string& why);
+  // Its running task is about to be blamed, though its process may have lost but its connection.
+  void NoteLost(const Worker& worker);
+  void TakeBackBlame(const wire::Hello& hello);
+  bool Excuse(const Worker& worker);  // of its running task: see Round::Excuse
 
   // dispatch.cc
   void Dispatch();
@@ -196,6 +210,8 @@ class Core {
   bool all_touched_ = false;
   FairShare share_;
   Fleet fleet_;
+  std::map<std::uint64_t, LostAttempt> lost_;  // of the last back_s, by Hello.process
+  std::optional<double> ticked_s_;             // when it was last seen not to stand still
   BlobLedger ledger_;
   std::vector<Action> actions_;
 };

@@ -27,9 +27,11 @@ struct WorkerHeartbeat {
 struct WorkerLeave {
   std::string peer;
 };
-// The shell knows that it is dead, sooner than its lease would tell.
+// The shell knows that its connection is gone, sooner than its lease would tell. `ended`: also that its
+// process is.
 struct WorkerLost {
   std::string peer;
+  bool ended = false;
 };
 // It leaves once what it runs is done: told by its owner, or by itself. Repeated, it changes nothing.
 struct DrainWorker {

@@ -58,6 +58,7 @@ void Fleet::Refile(Worker& worker, const Change& change) {
 Worker& Fleet::Add(const std::string& peer, const wire::Hello& hello, double now_s) {
   const std::uint64_t number = next_number_++;
   numbers_[peer] = number;
+  if (hello.process() != 0) processes_[hello.process()] = number;
   Worker& worker = workers_[number];
   worker.number = number;
   worker.peer = peer;
@@ -78,6 +79,8 @@ void Fleet::Remove(const std::string& peer) {
     owners->second.erase(worker.number);
     if (owners->second.empty()) owners_.erase(owners);
   }
+  const auto process = processes_.find(worker.hello.process());
+  if (process != processes_.end() && process->second == worker.number) processes_.erase(process);
   workers_.erase(it->second);
   numbers_.erase(it);
 }
@@ -90,6 +93,19 @@ Worker* Fleet::Find(const std::string& peer) {
 Worker* Fleet::Find(std::uint64_t number) {
   const auto it = workers_.find(number);
   return it == workers_.end() ? nullptr : &it->second;
+}
+
+Worker* Fleet::FindProcess(const wire::Hello& hello) {
+  const auto it = processes_.find(hello.process());
+  return it == processes_.end() ? nullptr : &workers_.at(it->second);
+}
+
+void Fleet::LeaveOut(double seconds, double now_s) {
+  const auto shift = [&](double& at_s) { at_s = std::min(now_s, at_s + seconds); };
+  for (auto& [number, worker] : workers_) {
+    for (double* at_s : {&worker.heard_s, &worker.moved_s, &worker.head_s}) shift(*at_s);
+    for (AssignedTask& task : worker.assigned) shift(task.since_s);
+  }
 }
 
 void Fleet::Give(Worker& worker, const wire::TaskKey& key, double now_s) {

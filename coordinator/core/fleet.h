@@ -53,11 +53,15 @@ class Fleet {
   void Remove(const std::string& peer);
   Worker* Find(const std::string& peer);
   const Worker* Find(const std::string& peer) const { return const_cast<Fleet*>(this)->Find(peer); }
+  Worker* FindProcess(const wire::Hello& hello);  // of the same process, over whatever connection
   bool Knows(const std::string& peer) const { return numbers_.contains(peer); }
   Worker* Find(std::uint64_t number);
   std::size_t size() const { return workers_.size(); }
   std::map<std::uint64_t, Worker>& workers() { return workers_; }  // by number
   const std::map<std::uint64_t, Worker>& workers() const { return workers_; }
+
+  // For so long nobody listened: that counts for nobody.
+  void LeaveOut(double seconds, double now_s);
 
   // What changes what a worker may get goes through here.
   void Give(Worker& worker, const wire::TaskKey& key, double now_s);
@@ -84,7 +88,8 @@ class Fleet {
 
   std::uint64_t next_number_ = 1;
   std::map<std::uint64_t, Worker> workers_;
-  std::map<std::string, std::uint64_t> numbers_;  // by peer
+  std::map<std::string, std::uint64_t> numbers_;      // by peer
+  std::map<std::uint64_t, std::uint64_t> processes_;  // numbers, by Hello.process where it says one
   std::size_t able_ = 0;
   ByLoad open_;                                     // those that have room
   ByLoad loaded_;                                   // those with two and more assigned

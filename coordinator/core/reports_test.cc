@@ -64,7 +64,7 @@ TEST(CoreReports, AFailedAttemptSaysWhyAndThatItIsTriedAgainUntilTheJobFails) {
 TEST(CoreReports, AWorkerThatIsLostIsNamedWithWhatBecomesOfItsTasks) {
   CoreFixture fixture;
   Begin(fixture, 3, 3);
-  fixture.Do(WorkerLost{"w"});
+  fixture.Do(WorkerLost{"w", true});
   EXPECT_EQ(Told(fixture),
             (ReportLines{"!task 0 (toy) of round 0 of stage 'stage0': worker 0 on host-w died while it ran; "
                          "it is tried again",

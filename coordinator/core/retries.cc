@@ -1,5 +1,7 @@
 // When a task has failed: it is tried again, by another worker where there is one, until it has failed so
 // often that the job fails (CoreOptions::max_failures).
+#include <algorithm>
+
 #include "coordinator/core/core.h"
 #include "schema/error.h"
 
@@ -56,6 +58,35 @@ void Core::FailAttempt(Job& job, std::uint32_t task, const std::string& whole_re
   if (failures >= options_.max_failures)
     return FailJob(job, name + " failed " + std::to_string(failures) + " times, last: " + why, false);
   Say(Report::kWarning, job, name + ": " + why + "; it is tried again");
+}
+
+void Core::NoteLost(const Worker& worker) {
+  if (worker.assigned.empty() || worker.hello.process() == 0) return;
+  const wire::TaskKey& key = worker.assigned.front().key;
+  const Job* job = JobOf(key);
+  if (job == nullptr) return;
+  const std::vector<Attempt>& live = job->tasks.task(key.task()).live_attempts;
+  if (std::ranges::any_of(live, [&key](const Attempt& attempt) { return attempt.number == key.attempt(); }))
+    lost_[worker.hello.process()] = {key, now_s_};
+}
+
+// A task that ends its worker's process never comes here: the next process is another.
+void Core::TakeBackBlame(const wire::Hello& hello) {
+  const auto lost = lost_.extract(hello.process());
+  if (lost.empty() || now_s_ - lost.mapped().since_s > options_.back_s) return;
+  const wire::TaskKey& key = lost.mapped().key;
+  Job* job = JobOf(key);
+  if (job == nullptr || job->Ended() || !job->tasks.TakeBack(key.task())) return;
+  Say(Report::kInfo, *job,
+      job->TaskName(key.task()) + ": " + WorkerName(hello) +
+          " is back; that it was lost counts as no failure of the task");
+}
+
+bool Core::Excuse(const Worker& worker) {
+  if (worker.assigned.empty()) return true;
+  const wire::TaskKey& key = worker.assigned.front().key;
+  Job* job = JobOf(key);
+  return job == nullptr || job->tasks.Excuse(key.task());
 }
 
 }  // namespace cairn::coordinator

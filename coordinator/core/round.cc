@@ -3,6 +3,12 @@
 #include <algorithm>
 
 namespace cairn::coordinator {
+namespace {
+
+// Who comes and goes for ever must not keep a job from its end.
+constexpr int kMostExcuses = 20;  // of a task
+
+}  // namespace
 
 Round Round::OfTasks(const proto::Step& step) {
   Round round;
@@ -55,6 +61,20 @@ bool Round::Withdraw(std::uint32_t index, std::uint32_t attempt) {
       std::erase_if(task.live_attempts, [attempt](const Attempt& live) { return live.number == attempt; });
   if (erased == 0) return false;
   if (task.live_attempts.empty()) Move(task, index, TaskStatus::kReady);
+  return true;
+}
+
+bool Round::Excuse(std::uint32_t index) {
+  TaskRecord& task = tasks_.at(index);
+  if (task.excuses >= kMostExcuses) return false;
+  ++task.excuses;
+  return true;
+}
+
+bool Round::TakeBack(std::uint32_t index) {
+  TaskRecord& task = tasks_.at(index);
+  if (task.status == TaskStatus::kDone || task.failures == 0 || !Excuse(index)) return false;
+  --task.failures;
   return true;
 }
 

@@ -37,6 +37,7 @@ struct TaskRecord {
   std::uint32_t attempts = 0;          // begun, ever; the next is numbered attempts + 1
   std::vector<Attempt> live_attempts;  // those under way, numbers ascending
   int failures = 0;
+  int excuses = 0;  // attempts that were lost, and are not counted as failures
   // What came of it.
   Hash partial;  // RUN only
 };
@@ -68,6 +69,11 @@ class Round {
   bool Withdraw(std::uint32_t index, std::uint32_t attempt);
   // Counts a failure against the task and returns how many it has.
   int Blame(std::uint32_t index) { return ++tasks_.at(index).failures; }
+  // An attempt was lost with a connection, and its worker is back: no failure of the task. False where that
+  // was said of it too often to be believed.
+  bool Excuse(std::uint32_t index);
+  // The same of an attempt that was counted as a failure.
+  bool TakeBack(std::uint32_t index);
   // The first answer. The task must not be done. Followers whose last input this was become ready.
   void Finish(std::uint32_t index, const Hash& partial);
 

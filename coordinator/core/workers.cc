@@ -26,12 +26,9 @@ std::optional<wire::Refusal> Core::WhyRefused(const wire::Hello& hello) const {
 
 void Core::On(const WorkerHello& event) {
   const wire::Hello& hello = event.hello;
-  // A peer that says Hello again has forgotten its tasks; so do we, before its build is looked at anew.
-  bool draining = false;
-  if (Worker* known = fleet_.Find(event.peer)) {
-    draining = known->draining;
-    Lose(*known, WorkerName(known->hello) + " began anew", "");
-  }
+  // Before its build is looked at anew.
+  bool draining = Forget(fleet_.Find(event.peer), "began anew");
+  draining |= Forget(fleet_.FindProcess(hello), "came back over another connection");
   if (std::optional<wire::Refusal> refusal = WhyRefused(hello)) {
     Send send{event.peer, {}};
     send.message.mutable_refuse()->set_reason(refusal->reason);
@@ -45,7 +42,17 @@ void Core::On(const WorkerHello& event) {
   send.message.mutable_welcome()->set_heartbeat_s(options_.heartbeat_s);
   actions_.push_back(std::move(send));
   Say(Report::kInfo, WorkerName(hello) + " joined");
+  TakeBackBlame(hello);
   if (draining) BeginDraining(worker);
+}
+
+// Nobody to blame, unless it says so again and again.
+bool Core::Forget(Worker* known, const std::string& how) {
+  if (known == nullptr) return false;
+  const bool draining = known->draining;
+  const std::string what = WorkerName(known->hello) + " " + how;
+  Lose(*known, what, Excuse(*known) ? "" : what + " while it ran, once more");
+  return draining;
 }
 
 Worker* Core::Heard(const std::string& peer) {
@@ -104,8 +111,9 @@ void Core::On(const WorkerLeave& event) {
 void Core::On(const WorkerLost& event) {
   Worker* worker = fleet_.Find(event.peer);
   if (worker == nullptr) return;
-  const std::string what = WorkerName(worker->hello) + " died";
+  const std::string what = WorkerName(worker->hello) + (event.ended ? " died" : " lost its connection");
   Say(Report::kWarning, what);
+  if (!event.ended) NoteLost(*worker);
   Lose(*worker, what, what + " while it ran");
 }
 
@@ -173,8 +181,26 @@ std::string Core::WhyGiveUp(const Worker& worker) const {
          (own ? "its limit (task_time_s)" : "the coordinator's limit (--task-time-s)");
 }
 
+// Whatever comes first after the coordinator was stopped, or its machine slept, tells it: what its workers
+// sent meanwhile still waits to be read. A little of that time does count, lest one that always comes round
+// late never finds out who is gone.
+void Core::LeaveOutStandstill() {
+  constexpr double kStandsStill = 0.5, kCounts = 0.1;  // of the lease
+  if (!ticked_s_ || now_s_ - *ticked_s_ <= kStandsStill * options_.lease_s) return;
+  const double gap_s = now_s_ - *ticked_s_;
+  const double left_out_s = gap_s - kCounts * options_.lease_s;
+  ticked_s_ = now_s_;
+  fleet_.LeaveOut(left_out_s, now_s_);
+  for (auto& [process, lost] : lost_) lost.since_s = std::min(now_s_, lost.since_s + left_out_s);
+  if (fleet_.size() > 0)
+    Say(Report::kWarning, "the coordinator stood still for " + std::to_string(static_cast<int>(gap_s)) +
+                              " s, which counts for no worker's silence");
+}
+
 void Core::On(const Tick&) {
   all_touched_ = true;
+  ticked_s_ = now_s_;
+  std::erase_if(lost_, [this](const auto& entry) { return now_s_ - entry.second.since_s > options_.back_s; });
   std::vector<std::string> silent;
   std::vector<std::pair<std::string, std::string>> given_up;
   for (const auto& [number, worker] : fleet_.workers()) {
@@ -188,6 +214,7 @@ void Core::On(const Tick&) {
     const std::string what = WorkerName(worker.hello) + " was not heard of for " +
                              std::to_string(static_cast<int>(now_s_ - worker.heard_s)) + " s";
     Say(Report::kWarning, what);
+    NoteLost(worker);
     Lose(worker, what, what);
   }
   for (const auto& [peer, why] : given_up) GiveUp(*fleet_.Find(peer), why);

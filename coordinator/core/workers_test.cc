@@ -95,10 +95,10 @@ TEST(CoreWorkers, ATaskGoesElsewhereWhenTheLeaseExpires) {
   Begin(fixture, 1);
   const auto lost = fixture.Next();
   fixture.Join("x");
-  fixture.Advance(9);
+  fixture.Pass(9);
   fixture.Heartbeat("x");
   EXPECT_TRUE(fixture.assigned.empty());
-  fixture.Advance(2);
+  fixture.Pass(2);
   const auto again = fixture.Next();
   EXPECT_EQ(again.peer, "x");
   EXPECT_EQ(again.assign.key().task(), lost.assign.key().task());

@@ -113,7 +113,7 @@ void Server::GoOn(const std::string& id) {
 
 void Server::TellDead(std::int64_t pid) {
   for (const auto& [number, worker] : core_.fleet().workers())
-    if (worker.hello.pid() == pid) return Handle(WorkerLost{std::string(worker.peer)});
+    if (worker.hello.pid() == pid) return Handle(WorkerLost{std::string(worker.peer), true});
 }
 
 std::vector<Hash> Server::KeepBlobs(const std::vector<wire::NamedBlob>& blobs) {

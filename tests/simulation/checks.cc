@@ -42,7 +42,8 @@ bool MayMove(const std::string& id, proto::JobState from, proto::JobState to, co
       if (Concerns<PersistFailed>(event, id))
         return from != proto::JOB_DONE;  // a retry or cancel is taken back
       return open && (std::holds_alternative<TaskDone>(event) || std::holds_alternative<TaskFailed>(event) ||
-                      std::holds_alternative<WorkerLost>(event) || std::holds_alternative<Tick>(event));
+                      std::holds_alternative<WorkerLost>(event) || std::holds_alternative<Tick>(event) ||
+                      std::holds_alternative<WorkerHello>(event));  // one too many
     default:
       return from == proto::JOB_PAUSED ? Concerns<ResumeJob>(event, id)
                                        : from == proto::JOB_FAILED && Concerns<RetryJob>(event, id);
@@ -86,6 +87,7 @@ void Checks::Before(const Core& core, const Event& event) {
     NoteMalformed(core, *done);
   }
   retries_before_ = Retries(core);
+  NoteLost(core, event);
   ready_before_.clear();
   for (const auto& [id, known] : jobs_)
     if (const Job* job = core.FindJob(id); job != nullptr && job->Running() && job->tasks.HasReady())
@@ -94,7 +96,7 @@ void Checks::Before(const Core& core, const Event& event) {
 
 void Checks::After(const Core& core, const Event& event, const std::vector<Action>& actions,
                    std::uint64_t process, double now_s) {
-  if (process != std::exchange(process_, process)) draining_.clear(), malformed_.clear();
+  if (process != std::exchange(process_, process)) ForgetWorkers();
   for (auto& [id, known] : jobs_) {
     const proto::JobState before = known.state;
     const Job* job = core.FindJob(id);
@@ -114,6 +116,8 @@ void Checks::After(const Core& core, const Event& event, const std::vector<Actio
   SeeTables(core, std::holds_alternative<Tick>(event), now_s);
   if (const auto* heartbeat = std::get_if<WorkerHeartbeat>(&event)) SeeHeartbeat(core, *heartbeat, now_s);
   SeeDraining(core, event, actions);
+  SeeBack(core, event);
+  SeeStandstill(core, std::holds_alternative<Tick>(event), now_s);
   SeeExcluded(core, actions);
   SeeTurns(core, actions);
   CountActions(core, actions);

@@ -4,12 +4,13 @@
 //   answer_checks.cc  what a job takes for true, lies, and two answers that differ
 //   table_checks.cc   the core's tables: nobody's tasks, no task forgotten, no worker idle, nothing that
 //   grows
-//   worker_checks.cc  workers that are to leave, or are broken
+//   worker_checks.cc  workers that are to leave, are broken, or are lost and come back
 //   user_checks.cc    what users are told
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -61,6 +62,10 @@ class Checks {
   void SeeEnd(const coordinator::Job& job, const proto::Checkpoint* saved, bool given_up);
 
  private:
+  struct Lost {
+    wire::TaskKey key;
+    double since_s = 0;
+  };
   using Place = std::pair<std::uint32_t, std::uint64_t>;  // stage; round + 1, or 0 before START is answered
   struct Known {
     ToyKind kind = ToyKind::kGood;
@@ -113,6 +118,11 @@ class Checks {
   // worker_checks.cc
   std::uint64_t Retries(const coordinator::Core& core) const;  // attempts that failed, of all jobs
   void SeeExcluded(const coordinator::Core& core, const std::vector<coordinator::Action>& actions);
+  void ForgetWorkers();  // the coordinator's process is another
+  void NoteLost(const coordinator::Core& core, const coordinator::Event& event);
+  const coordinator::TaskRecord* FindLost(const coordinator::Core& core, const Lost& lost) const;
+  void SeeBack(const coordinator::Core& core, const coordinator::Event& event);
+  void SeeStandstill(const coordinator::Core& core, bool ticked, double now_s);
   void SeeDraining(const coordinator::Core& core, const coordinator::Event& event,
                    const std::vector<coordinator::Action>& actions);
 
@@ -127,9 +137,15 @@ class Checks {
   std::uint64_t retries_before_ = 0;
   std::pair<std::string, std::uint64_t> broken_;  // a worker that gives this job a malformed answer
   std::uint64_t events_ = 0;
+  std::optional<int> blamed_before_;  // failures of the task that who says Hello had lost
   // Of the coordinator's process under way.
   std::uint64_t process_ = 0;
-  std::set<std::string> draining_;                            // workers that it knows to be about to leave
+  std::set<std::string> draining_;       // workers that it knows to be about to leave
+  std::map<std::uint64_t, Lost> lost_;   // by Hello.process
+  double now_s_ = 0, ticked_s_ = 0;      // of the last event; of what was no standstill
+  std::set<std::string> there_, heard_;  // workers; those just heard of
+  std::set<std::string> spared_;         // that must not be lost until then
+  double spared_until_s_ = 0;
   std::map<std::string, std::set<std::uint64_t>> malformed_;  // workers that gave malformed answers, by job
 };
 

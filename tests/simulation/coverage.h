@@ -28,6 +28,7 @@ namespace cairn::simulation {
   X(kWorkerUnhung, "worker: goes on after it hung")                          \
   X(kWorkerStopped, "worker: stopped as a whole")                            \
   X(kWorkerSlow, "worker: slow")                                             \
+  X(kWorkerBroken, "worker: its connection breaks, and it comes back")       \
   X(kWorkerOtherBuild, "worker: of another build")                           \
   X(kWorkerLateJoiner, "worker: joins late")                                 \
   X(kWorkerForgot, "worker: forgets its tasks")                              \
@@ -99,6 +100,8 @@ namespace cairn::simulation {
   X(kInputError, "core: a job fails by its input")                           \
   X(kThirdFailure, "core: a job fails by a task's third failure")            \
   X(kAttemptAgain, "core: a task is dispatched again")                       \
+  X(kBlameTakenBack, "core: takes back the blame for a lost connection")     \
+  X(kStoodStill, "core: finds that it stood still, with workers there")      \
   X(kCopied, "core: a straggler is copied")                                  \
   X(kExcluded, "core: excludes a worker for a malformed answer")             \
   X(kExcludedAlone, "core: a excluded worker serves, as nobody else does")   \

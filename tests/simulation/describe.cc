@@ -22,7 +22,7 @@ struct Words {
     return text;
   }
   std::string operator()(const WorkerLeave& e) const { return e.peer + " Leave"; }
-  std::string operator()(const WorkerLost& e) const { return e.peer + " is dead"; }
+  std::string operator()(const WorkerLost& e) const { return e.peer + (e.ended ? " is dead" : " is gone"); }
   std::string operator()(const DrainWorker& e) const { return e.peer + " is to leave"; }
   std::string operator()(const TaskDone& e) const { return e.peer + " Done " + Text(e.done.key()); }
   std::string operator()(const TaskFailed& e) const {

@@ -89,6 +89,7 @@ Faults DrawFaults(std::uint64_t seed) {
   f.upload_killed = maybe(0.5);
   f.upload_stops = maybe(0.1);
   f.upload_cheats = maybe(0.5);
+  f.break_per_s = maybe(0.1);
   return f;
 }
 

@@ -84,7 +84,9 @@ void Users::Cancel(const std::string& id, Wish& wish) {
 void Users::Disturb() {
   for (const std::string& id : ids_) {
     Wish& wish = wishes_.at(id);
-    if (world_.Chance(world_.faults.cancel_per_s)) Cancel(id, wish);
+    // What is not yet durable is so for a moment only: more often then, or it would hardly come up.
+    const bool unsaved = world_.shell().store().Newest(id) == nullptr;
+    if (world_.Chance(world_.faults.cancel_per_s * (unsaved ? 10 : 1))) Cancel(id, wish);
     if (world_.Chance(world_.faults.delete_per_s)) Delete(id, wish);
     if (world_.Chance(world_.faults.pause_per_s)) Pause(id);
     if (world_.Chance(world_.faults.prioritize_per_s)) {

@@ -8,6 +8,13 @@ namespace cairn::simulation {
 
 using namespace coordinator;  // NOLINT: events and actions, all over this file
 
+namespace {
+
+constexpr double kSoon_s = 30;    // less than CoreOptions::back_s
+constexpr int kMostExcuses = 15;  // fewer than the core believes
+
+}  // namespace
+
 std::uint64_t Checks::Retries(const Core& core) const {
   std::uint64_t retries = 0;
   for (const auto& [id, known] : jobs_)
@@ -60,6 +67,73 @@ void Checks::SeeExcluded(const Core& core, const std::vector<Action>& actions) {
         }))
       Fail(send->peer + " gave malformed answers to " + id + " and gets more of its tasks");
     world_.Count(kExcludedAlone);
+  }
+}
+
+void Checks::ForgetWorkers() {
+  draining_.clear();
+  malformed_.clear();
+  lost_.clear();
+  there_.clear();
+  heard_.clear();
+  spared_.clear();
+  now_s_ = ticked_s_ = spared_until_s_ = 0;
+}
+
+// Null where it is not under way any more.
+const TaskRecord* Checks::FindLost(const Core& core, const Lost& lost) const {
+  const Job* job = core.FindJob(lost.key.job());
+  return job != nullptr && !job->Ended() && job->IsUnderWay(lost.key) ? &job->tasks.task(lost.key.task())
+                                                                      : nullptr;
+}
+
+void Checks::NoteLost(const Core& core, const Event& event) {
+  blamed_before_.reset();
+  if (const auto* lost = std::get_if<WorkerLost>(&event); lost != nullptr && !lost->ended) {
+    const Worker* worker = core.fleet().Find(lost->peer);
+    if (worker != nullptr && !worker->assigned.empty())
+      lost_[worker->hello.process()] = {worker->assigned.front().key, now_s_};
+  }
+  const auto* hello = std::get_if<WorkerHello>(&event);
+  const auto lost = hello != nullptr ? lost_.find(hello->hello.process()) : lost_.end();
+  if (lost == lost_.end()) return;
+  if (const TaskRecord* task = FindLost(core, lost->second);
+      task != nullptr && task->status != TaskStatus::kDone && task->failures > 0)
+    blamed_before_ = task->failures;
+}
+
+// A process that comes back soon has not ended: what it lost with its connection is no failure of the task.
+void Checks::SeeBack(const Core& core, const Event& event) {
+  const auto* hello = std::get_if<WorkerHello>(&event);
+  const auto lost = hello != nullptr ? lost_.extract(hello->hello.process()) : decltype(lost_)::node_type();
+  if (lost.empty() || !blamed_before_ || now_s_ - lost.mapped().since_s > kSoon_s) return;
+  const TaskRecord* task = FindLost(core, lost.mapped());
+  if (task == nullptr || task->excuses >= kMostExcuses) return;
+  if (task->failures != *blamed_before_ - 1)
+    Fail(hello->peer + " is back, and its task is still blamed for its loss");
+  world_.Count(kBlameTakenBack);
+}
+
+// Nobody is taken for silent because nobody listened.
+void Checks::SeeStandstill(const Core& core, bool ticked, double now_s) {
+  const double lease_s = world_.faults.core.lease_s;
+  if (ticked_s_ > 0 && now_s - ticked_s_ > 0.5 * lease_s) {
+    if (!heard_.empty()) world_.Count(kStoodStill);
+    spared_ = heard_;
+    spared_until_s_ = now_s + 0.5 * lease_s;
+    ticked_s_ = now_s;
+  }
+  if (ticked && now_s < spared_until_s_)
+    for (const std::string& peer : spared_)
+      if (there_.contains(peer) && !core.fleet().Knows(peer))
+        Fail(peer + " is taken for silent, though it was the coordinator that stood still");
+  if (ticked) ticked_s_ = now_s;
+  now_s_ = now_s;
+  there_.clear();
+  heard_.clear();
+  for (const auto& [number, worker] : core.fleet().workers()) {
+    there_.insert(worker.peer);
+    if (now_s - worker.heard_s < 0.25 * lease_s) heard_.insert(worker.peer);
   }
 }
 

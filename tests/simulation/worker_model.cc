@@ -25,6 +25,7 @@ void WorkerModel::SayHello() {
   hello.mutable_build()->set_version(traits_.build);
   hello.set_host(name_);
   hello.set_slots(traits_.slots);
+  hello.set_process(std::stoull(name_.substr(1)) + 1);
   world_.network.ToCoordinator(name_, coordinator::WorkerHello{name_, hello});
 }
 
@@ -174,7 +175,7 @@ void WorkerModel::Crash() {
   Forget();
   if (!world_.faults.tell_deaths) return;
   world_.schedule.After(world_.rng.Uniform(0, 2),
-                        [this] { world_.shell().Deliver(coordinator::WorkerLost{name_}); });
+                        [this] { world_.shell().Deliver(coordinator::WorkerLost{name_, true}); });
 }
 
 void WorkerModel::Leave() {
@@ -182,6 +183,16 @@ void WorkerModel::Leave() {
   world_.network.ToCoordinator(name_, coordinator::WorkerLeave{name_});
   alive_ = false;
   Forget();
+}
+
+void WorkerModel::BreakConnection() {
+  world_.Say(name_ + " loses its connection");
+  world_.Count(kWorkerBroken);
+  welcomed_ = false;
+  Forget();
+  world_.schedule.After(world_.rng.Uniform(0, 2),
+                        [this] { world_.shell().Deliver(coordinator::WorkerLost{name_}); });
+  LeaveIfDrained();
 }
 
 void WorkerModel::Hang() {

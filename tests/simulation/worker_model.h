@@ -32,6 +32,7 @@ class WorkerModel {
   void Crash();
   void Leave();
   void BeTerminated();             // drains for some seconds, then leaves in any case
+  void BreakConnection();          // and says Hello anew, before the coordinator sees it or after
   void Hang();                     // what computes stands still, heartbeats go on
   void StopUntil(double until_s);  // all of it stands still; what comes meanwhile waits
   void JumpClock(double by_s) { clock_jump_s_ += by_s; }

@@ -88,6 +88,8 @@ void World::DisturbWorkers() {
     if (worker->alive() && Chance(faults.terminate_per_s)) worker->BeTerminated();
     if (!worker->alive()) continue;
     ++alive;
+    if (Chance(faults.break_per_s)) worker->BreakConnection();
+    if (!worker->alive()) continue;
     if (Chance(faults.hang_per_s)) worker->Hang();
     if (Chance(faults.stop_per_s)) worker->StopUntil(now_s + rng.Uniform(0.5, 12));
     if (!Chance(faults.clock_jump_per_s)) continue;

@@ -78,12 +78,20 @@ class CoreFixture {
     now_s += seconds;
     Do(Tick{});
   }
-  void Join(const std::string& peer, std::uint32_t slots = 1, const std::string& version = "1") {
+  // With a tick a second, as of one that does not stand still.
+  void Pass(double seconds) {
+    for (; seconds > 1; --seconds) Advance(1);
+    Advance(seconds);
+  }
+  // `process`: 0 where it is of no matter which it is.
+  void Join(const std::string& peer, std::uint32_t slots = 1, const std::string& version = "1",
+            std::uint64_t process = 0) {
     wire::Hello hello;
     hello.set_protocol(2);
     *hello.mutable_build() = TestBuild(version);
     hello.set_host("host-" + peer);
     hello.set_slots(slots);
+    hello.set_process(process);
     Do(WorkerHello{peer, hello});
   }
   void Submit(const std::string& id = "a", const proto::Job& job = TestJob()) { Do(SubmitJob{id, job, {}}); }
