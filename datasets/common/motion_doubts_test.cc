@@ -86,6 +86,13 @@ INSTANTIATE_TEST_SUITE_P(
                  "2 s earlier"}),
     [](const auto& test) { return std::string(test.param.name); });
 
+kinds::Log OfOneRobot(const kinds::Log::Robot& robot) {
+  kinds::Log log;
+  log.robots = std::vector<std::string>{"anna"};
+  log.robot = {robot};
+  return log;
+}
+
 // A robot on a circle among four poles, which sees each that is ahead of it twice a second.
 kinds::Log Circle(bool named, double sees) {
   constexpr double kTurn_rad = 0.05, kForward_m = 0.1, kReach_m = 6;
@@ -110,10 +117,7 @@ kinds::Log Circle(bool named, double sees) {
   }
   robot.odometry = {time_s, turn_rad, forward_m};
   robot.observations = {seen_s, range_m, bearing_rad, landmark, std::vector<std::int32_t>(seen_s.size(), -1)};
-  kinds::Log log;
-  log.robots = std::vector<std::string>{"anna"};
-  log.robot = {robot};
-  return log;
+  return OfOneRobot(robot);
 }
 
 TEST(MotionDoubts, BearingsThatAreMirroredShowWithNamesAndWithout) {
@@ -153,10 +157,7 @@ kinds::Log Slalom(double drift_rad_per_m, double delay_s, double noise_rad_per_s
   }
   robot.odometry = {time_s, turn_rad, forward_m};
   robot.observations = {seen_s, range_m, bearing_rad, landmark, std::vector<std::int32_t>(seen_s.size(), -1)};
-  kinds::Log log;
-  log.robots = std::vector<std::string>{"anna"};
-  log.robot = {robot};
-  return log;
+  return OfOneRobot(robot);
 }
 
 // A drift of 1.5 or 2.5 degrees a metre is neither taken for another clock, nor hides one.

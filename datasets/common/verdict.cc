@@ -167,38 +167,51 @@ Doubt OfJumps(const kinds::LandmarkMap::Fit& fit) {
 }
 
 // By how much a scale is off: of one as many times too large as too small.
-double Off(const Column<double>& scale) { return std::abs(std::log(scale.Or(1))); }
+double Off(double scale) { return std::abs(std::log(scale)); }
+
+// Of the robot whose scale is furthest off; 1 where none has any.
+struct FurthestScale {
+  std::string robot;
+  double scale = 1;
+};
+
+FurthestScale FindFurthest(const kinds::LandmarkMap& map, Column<double> kinds::LandmarkMap::Robot::* scale,
+                           const char* name, Verdict* verdict) {
+  FurthestScale furthest;
+  bool any = false;
+  for (std::size_t r = 0; r < map.robot.size(); ++r) {
+    const double of_robot = (map.robot[r].*scale).Or(1);
+    any |= static_cast<bool>(map.robot[r].*scale);
+    if (Off(of_robot) > Off(furthest.scale)) furthest = {map.robots[r], of_robot};
+  }
+  if (any) verdict->numbers.emplace_back(name, furthest.scale);
+  return furthest;
+}
 
 // Where odometry's distances are not those of the ranges, either may be the one that is wrong, and the map
 // has the ranges' scale.
 Doubt OfDistances(const kinds::LandmarkMap& map, Verdict* verdict) {
   constexpr double kOff = 0.07, kFarOff = 0.15;
-  const auto worst = std::ranges::max_element(
-      map.robot, {}, [](const kinds::LandmarkMap::Robot& robot) { return Off(robot.distance_scale); });
-  if (worst == map.robot.end() || !worst->distance_scale) return {Confidence::kHigh};
-  verdict->numbers.emplace_back("distance_scale", worst->distance_scale.Scalar());
-  const Confidence at_most = AtMost(Off(worst->distance_scale), std::log1p(kOff), std::log1p(kFarOff));
+  const auto [robot, scale] =
+      FindFurthest(map, &kinds::LandmarkMap::Robot::distance_scale, "distance_scale", verdict);
+  const Confidence at_most = AtMost(Off(scale), std::log1p(kOff), std::log1p(kFarOff));
   if (at_most == Confidence::kHigh) return {at_most};
   return {at_most,
           fmt::format("{} has travelled {:.2f} times as far by its ranges as by its odometry: are both in "
                       "metres and calibrated? The map has the scale of the ranges",
-                      map.robots[static_cast<std::size_t>(worst - map.robot.begin())],
-                      worst->distance_scale.Scalar())};
+                      robot, scale)};
 }
 
 // Turns the observations tell well, whatever odometry says: MRCLAM's robots turn three quarters as far as
 // theirs, and are mapped well.
 Doubt OfTurns(const kinds::LandmarkMap& map, Verdict* verdict) {
   constexpr double kOff = 0.15;
-  const auto worst = std::ranges::max_element(
-      map.robot, {}, [](const kinds::LandmarkMap::Robot& robot) { return Off(robot.turn_scale); });
-  if (worst == map.robot.end() || !worst->turn_scale) return {Confidence::kHigh};
-  verdict->numbers.emplace_back("turn_scale", worst->turn_scale.Scalar());
-  if (Off(worst->turn_scale) <= std::log1p(kOff)) return {Confidence::kHigh};
-  return {Confidence::kFair,
-          fmt::format("{} has turned {:.2f} times as far by its observations as by its odometry",
-                      map.robots[static_cast<std::size_t>(worst - map.robot.begin())],
-                      worst->turn_scale.Scalar())};
+  const auto [robot, scale] =
+      FindFurthest(map, &kinds::LandmarkMap::Robot::turn_scale, "turn_scale", verdict);
+  if (Off(scale) <= std::log1p(kOff)) return {Confidence::kHigh};
+  return {
+      Confidence::kFair,
+      fmt::format("{} has turned {:.2f} times as far by its observations as by its odometry", robot, scale)};
 }
 
 // Of landmarks that observations name there is no search: the fit of the least squares is what the verdict

@@ -13,10 +13,10 @@ namespace cairn::landmark_map {
 
 struct MovedLandmark {
   std::int32_t type = 0;
-  double until_s = 0,
-         from_s = 0;  // the last observation where it stood first, the first one where it is then
-  std::uint8_t later_left_out =
-      1;                      // the map has it where more of it is expected, and is made without the rest
+  // The last observation where it stood first, the first one where it is then.
+  double until_s = 0, from_s = 0;
+  // The map has it where more of it is expected, and is made without the rest.
+  std::uint8_t later_left_out = 1;
   std::int64_t left_out = 0;  // rows of the log: WithoutLeftOut counts them
 
   bool LeavesOut(double time_s) const { return (time_s > 0.5 * (until_s + from_s)) == (later_left_out != 0); }
