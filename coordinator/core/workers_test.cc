@@ -195,7 +195,6 @@ TEST(CoreWorkers, AWorkerDoesNotGetToReadABlobByNamingIt) {
     fixture.Join("w");
     const auto start = fixture.Next();
     ASSERT_EQ(start.assign.key().job(), "b");
-    CoreFixture::Assigned task = start;
     if (in_a_plan) {
       proto::Step step = TestStep(1);
       (*step.mutable_state()->mutable_blobs())["mine"] = H(2000).Binary();
