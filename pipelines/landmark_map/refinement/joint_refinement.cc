@@ -7,6 +7,9 @@
 #include <optional>
 #include <utility>
 
+#include "pipelines/landmark_map/refinement/joint_covariances.h"
+#include "pipelines/landmark_map/refinement/width_estimate.h"
+
 namespace cairn::landmark_map {
 namespace {
 

@@ -94,27 +94,4 @@ std::vector<std::vector<double>> EdgeSigmas(const LeastSquaresProblem& problem,
 std::vector<std::vector<double>> SightingErrors_m(const LeastSquaresProblem& problem,
                                                   const LeastSquaresPoint& point);
 
-// One step of the estimate of all widths by redundancy: what the residuals are, in units of their widths,
-// over what they are expected to be where as many unknowns as there are fit themselves to them (W. Foerstner,
-// Ein Verfahren zur Schaetzung von Varianz- und Kovarianzkomponenten, 1979). A width's logarithm has a prior
-// around that of `nominal`, which may well be wrong by a factor of three. Returns by what factor one has
-// changed at most; 0: the equations have no solution.
-inline constexpr double kLogWidthSd = 1.0;
-double ReestimateWidths(const LeastSquaresProblem& nominal, const LeastSquaresPoint& point,
-                        LeastSquaresProblem* problem);
-
-// By the correlation of successive errors, (1 + r) / (1 - r) of a first-order process; 1 where that is not
-// significant.
-SightingRepeats RepeatsIn(const LeastSquaresProblem& problem, const LeastSquaresPoint& point);
-
-// Covariances at the least.
-struct LeastSquaresCovariances {
-  std::vector<std::vector<Eigen::Matrix3d>> nodes;  // as in the point
-  std::vector<Eigen::Matrix2d> landmarks;
-};
-// In the frame in which the landmarks together neither shift nor turn, which is that of whoever lays them
-// over the true ones (an S-transformation); where fewer than two were seen, in that of the first pose. Empty:
-// no solution.
-LeastSquaresCovariances CovariancesOf(const LeastSquaresProblem& problem, const LeastSquaresPoint& point);
-
 }  // namespace cairn::landmark_map
