@@ -202,6 +202,22 @@ Doubt OfDistances(const kinds::LandmarkMap& map, Verdict* verdict) {
                       robot, scale)};
 }
 
+// What was found and taken off makes no map worse; but who made the log may want to mend it.
+Doubt OfRangeOffsets(const kinds::LandmarkMap& map, Verdict* verdict) {
+  std::string robot;
+  double furthest_m = 0;
+  for (std::size_t r = 0; r < map.robot.size(); ++r) {
+    const double offset_m = map.robot[r].range_offset_m.Or(0);
+    if (std::abs(offset_m) <= std::abs(furthest_m)) continue;
+    robot = map.robots[r];
+    furthest_m = offset_m;
+  }
+  if (furthest_m == 0) return {Confidence::kHigh};
+  verdict->numbers.emplace_back("range_offset_m", furthest_m);
+  return {Confidence::kHigh, fmt::format("the ranges of {} are {:.2f} m too {}, which was taken off", robot,
+                                         std::abs(furthest_m), furthest_m > 0 ? "long" : "short")};
+}
+
 // Turns the observations tell well, whatever odometry says: MRCLAM's robots turn three quarters as far as
 // theirs, and are mapped well.
 Doubt OfTurns(const kinds::LandmarkMap& map, Verdict* verdict) {
@@ -234,8 +250,9 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, Verdict* ve
   verdict->trust = named ? by_number : std::min(verdict->trust, by_number);
   const std::string fitted = fmt::format("{} observations fit the map", observations - misfits);
   verdict->why = named ? fitted : verdict->why + "; " + fitted;
-  for (const Doubt& doubt : {OfMisfits(fit), OfWidths(map), OfRun(fit), OfJumps(fit),
-                             OfDistances(map, verdict), OfTurns(map, verdict)}) {
+  for (const Doubt& doubt :
+       {OfMisfits(fit), OfWidths(map), OfRun(fit), OfJumps(fit), OfDistances(map, verdict),
+        OfTurns(map, verdict), OfRangeOffsets(map, verdict)}) {
     verdict->trust = std::min(verdict->trust, doubt.at_most);
     if (!doubt.text.empty()) verdict->why += "; " + doubt.text;
   }

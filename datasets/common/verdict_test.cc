@@ -265,6 +265,14 @@ TEST(LandmarkMapVerdict, OdometryOfAnotherScaleThanTheRangesIsNamed) {
   EXPECT_NE(scaled(1, 0.8).why.find("has turned 0.80 times as far"), std::string::npos);
 }
 
+TEST(LandmarkMapVerdict, ConstantErrorsOfRangesAreSaid) {
+  Blob map = FittedMap(200, 0, 0, 0);
+  map.PutScalar<double>("robot/0/range_offset_m", -0.25);
+  EXPECT_EQ(
+      TextOf(map),
+      "high: 200 observations fit the map; the ranges of robot are 0.25 m too short, which was taken off");
+}
+
 TEST(LocalMapVerdict, WithoutALoopNothingIsKnown) {
   EXPECT_EQ(LocalMapVerdict(LocalMapOf({})).Text(),
             "not known: no place was recognised twice, so nothing checks the path");

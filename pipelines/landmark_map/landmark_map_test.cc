@@ -66,6 +66,21 @@ TEST(LandmarkMap, FindsTheCornersFromRangeAndBearingWithoutIdentities) {
 // too large. Every motion increment has one corner, so that the turns' error must be known (there is none)
 // for the walk's to show; and no room is left for an unknown drift (drift_length_m), which would take the
 // walk's place.
+// A map from ranges that are all 0.4 m too long would be too large; ranges without such an error are left
+// alone.
+TEST(LandmarkMap, FindsWhatAllRangesAreTooLongBy) {
+  for (const double offset_m : {0.0, 0.4, -0.2}) {
+    const BlobPtr result = Map(
+        PostsLog{.drift_rad_per_m = 0.002, .range_offset_m = offset_m, .named = true, .times = 4}.Make(), {});
+    const auto x = result->Get<double>("map/landmark_x_m"), y = result->Get<double>("map/landmark_y_m");
+    ASSERT_EQ(x.size(), 6U);
+    EXPECT_NEAR(std::hypot(x[5] - x[0], y[5] - y[0]), std::hypot(6.0, 16.0), 0.1) << offset_m;
+    ASSERT_EQ(result->Has("robot/0/range_offset_m"), offset_m != 0.0);
+    if (offset_m == 0.0) continue;
+    EXPECT_NEAR(result->Scalar<double>("robot/0/range_offset_m"), offset_m, 0.05);
+  }
+}
+
 TEST(LandmarkMap, FindsTheWalkAndTheDriftThatTheLogsNoiseGetsWrong) {
   constexpr double kWalk = 0.02, kDrift = 0.005;
   const double drift_sd = kWalk / std::sqrt(480.0);  // of the mean drift, by the walk alone

@@ -398,6 +398,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
       const SystematicErrors& errors = refined.paths[r].errors();
       result.PutScalar<double>(prefix + "distance_scale", 1 + errors.way);
       result.PutScalar<double>(prefix + "turn_scale", 1 + errors.turn);
+      if (errors.range_m != 0.0) result.PutScalar<double>(prefix + "range_offset_m", errors.range_m);
     }
   }
   if (std::isfinite(settings.steps.until_s)) result.PutScalar<double>("until_s", settings.steps.until_s);

@@ -80,6 +80,7 @@ struct SquareLog {
 struct PostsLog {
   double drift_rad_per_m = 3.0 * std::numbers::pi / 180.0;
   double range_m = 0.05, bearing_rad = 0.01;
+  double range_offset_m = 0.0;  // by which all ranges are too long
   std::uint64_t seed = 1;
   bool named = false;
   int times = 2;
@@ -112,7 +113,7 @@ struct PostsLog {
         if (k % 2 != 0 || distance > 12.0 || std::abs(ahead) > 1.5) continue;
         seen_s.push_back(time.back());
         landmark.push_back(!named ? -1 : swapped && again && p >= 2 && p <= 3 ? 5 - p : p);
-        range.push_back(distance + range_m * rng.Normal());
+        range.push_back(distance + range_offset_m + range_m * rng.Normal());
         bearing.push_back(ahead + bearing_rad * rng.Normal());
       }
     }

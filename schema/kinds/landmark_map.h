@@ -41,7 +41,7 @@ struct LandmarkMap {
     RobotPoses poses;
     Column<std::int32_t> map_landmark;  // of each observation
     Column<double> probability, heading_drift_rad_per_m, heading_walk_rad_per_sqrt_m, turn_ratio,
-        distance_scale, turn_scale;
+        distance_scale, turn_scale, range_offset_m;
     Beliefs beliefs;
     static void Fields(const auto& field) {
       field("poses", &Robot::poses);
@@ -54,6 +54,7 @@ struct LandmarkMap {
       field({"turn_ratio", "", NotNegative()}, &Robot::turn_ratio);
       field({"distance_scale", "", Positive()}, &Robot::distance_scale);
       field({"turn_scale", "", Positive()}, &Robot::turn_scale);
+      field({"range_offset_m", "", Finite()}, &Robot::range_offset_m);
     }
   };
   struct Map {

@@ -33,7 +33,7 @@ EdgeResidual ResidualOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, cons
   return residual;
 }
 
-SightingResidual ResidualOf(const Eigen::Vector3d& node, const Eigen::Vector2d& landmark,
+SightingResidual ResidualOf(const Eigen::Vector3d& node, const Eigen::Vector2d& landmark, double offset_m,
                             const Sighting& seen, const ObservationNoise& noise) {
   const double cosine = std::cos(node[2]), sine = std::sin(node[2]);
   Eigen::Matrix2d back;
@@ -44,18 +44,21 @@ SightingResidual ResidualOf(const Eigen::Vector3d& node, const Eigen::Vector2d& 
   Eigen::Matrix2d by_there = Eigen::Matrix2d::Identity();
   if (seen.contact()) {
     residual.error = there;
+    residual.by_offset.setZero();
   } else {
     // The bearing itself: measured across, in metres, a smaller map would have smaller errors.
     const double range = std::hypot(seen.x_m, seen.y_m), distance = std::max(kLeastDistance_m, there.norm());
     const double turn =
         std::atan2(seen.x_m * there.y() - seen.y_m * there.x(), seen.x_m * there.x() + seen.y_m * there.y());
-    residual.error << there.norm() - range, range * turn;
+    residual.error << there.norm() + offset_m - range, range * turn;
+    residual.by_offset << 1.0, 0.0;
     by_there << there.x(), there.y(), -range * there.y() / distance, range * there.x() / distance;
     by_there /= distance;
   }
   residual.error = residual.error.cwiseQuotient(Eigen::Vector2d(widths.along_m, widths.across_m));
   by_there.row(0) /= widths.along_m;
   by_there.row(1) /= widths.across_m;
+  residual.by_offset /= widths.along_m;
   residual.by_landmark = by_there * back;
   residual.by_node.leftCols<2>() = -residual.by_landmark;
   residual.by_node.col(2) = by_there * Eigen::Vector2d(there.y(), -there.x());
@@ -81,7 +84,7 @@ UnknownLayout::UnknownLayout(const LeastSquaresProblem& problem) {
   }
   landmarks_ = size_;
   errors_ = size_ + 2 * problem.landmarks;
-  size_ = errors_ + 3 * static_cast<int>(problem.robots.size());
+  size_ = errors_ + kSystematic * static_cast<int>(problem.robots.size());
 }
 
 PathMatrix UnknownLayout::Matrix(const LeastSquaresProblem& problem) const {
@@ -91,7 +94,8 @@ PathMatrix UnknownLayout::Matrix(const LeastSquaresProblem& problem) const {
     const int nodes = static_cast<int>(problem.robots[r].time_s.size());
     chains.push_back(nodes);
     for (int k = 0; k < nodes; ++k)
-      for (int i = 0; i < 3; ++i) couplings.push_back({first_[r] / 3 + k, Errors(r) + i - landmarks_});
+      for (int i = 0; i < kSystematic; ++i)
+        couplings.push_back({first_[r] / 3 + k, Errors(r) + i - landmarks_});
   }
   for (const Sighting& seen : problem.sightings)
     for (int i = 0; i < 2; ++i)
@@ -107,6 +111,7 @@ LeastSquaresPoint UnknownLayout::Moved(LeastSquaresPoint point, const Eigen::Vec
     point.errors[r].drift_rad_per_m += step[at];
     point.errors[r].way += step[at + 1];
     point.errors[r].turn += step[at + 2];
+    point.errors[r].range_m += step[at + 3];
   }
   for (std::size_t l = 0; l < point.landmarks.size(); ++l) point.landmarks[l] += step.segment<2>(Landmark(l));
   return point;
@@ -161,7 +166,7 @@ std::vector<Eigen::VectorXd> JointEquations::CommonErrors(const LeastSquaresPoin
       const SightingTerm term = Seen(point, seen);
       const double pull = std::sqrt(correlation[k]) * Weight(term.residual, seen) * ShareOf(seen)[k];
       Eigen::VectorXd& error = errors[first + static_cast<std::size_t>(seen.landmark)];
-      for (int i = 0; i < 5; ++i) error[term.at[i]] += pull * term.by(k, i);
+      for (int i = 0; i < 6; ++i) error[term.at[i]] += pull * term.by(k, i);
     }
   }
   return errors;
@@ -199,10 +204,13 @@ JointEquations::SightingTerm JointEquations::Seen(const LeastSquaresPoint& point
   const auto robot = static_cast<std::size_t>(seen.robot), node = static_cast<std::size_t>(seen.node),
              landmark = static_cast<std::size_t>(seen.landmark);
   SightingTerm term;
-  term.residual = ResidualOf(point.nodes[robot][node], point.landmarks[landmark], seen, problem_.noise);
-  term.by << term.residual.by_node, term.residual.by_landmark;
+  term.residual = ResidualOf(point.nodes[robot][node], point.landmarks[landmark], point.errors[robot].range_m,
+                             seen, problem_.noise);
+  term.by << term.residual.by_node, term.residual.by_landmark, term.residual.by_offset;
+  if (!(problem_.priors.range_m > 0.0)) term.by.col(5).setZero();
   for (int i = 0; i < 3; ++i) term.at[i] = layout_.Node(robot, node) + i;
   for (int i = 0; i < 2; ++i) term.at[3 + i] = layout_.Landmark(landmark) + i;
+  term.at[5] = layout_.Errors(robot) + 3;
   return term;
 }
 
@@ -235,9 +243,11 @@ void JointEquations::AddAnchor(const LeastSquaresPoint& point, bool linearise) {
 void JointEquations::AddPriors(const LeastSquaresPoint& point, std::size_t r, bool linearise) {
   const SystematicErrors& errors = point.errors[r];
   const SystematicPriors& priors = problem_.priors;
-  const std::pair<double, double> of[] = {
-      {errors.drift_rad_per_m, priors.drift_rad_per_m}, {errors.way, priors.way}, {errors.turn, priors.turn}};
-  for (int i = 0; i < 3; ++i) {
+  const std::pair<double, double> of[] = {{errors.drift_rad_per_m, priors.drift_rad_per_m},
+                                          {errors.way, priors.way},
+                                          {errors.turn, priors.turn},
+                                          {errors.range_m, priors.range_m}};
+  for (int i = 0; i < kSystematic; ++i) {
     const int at = layout_.Errors(r) + i;
     if (!(of[i].second > 0.0)) {
       if (linearise) matrix_.Add(at, at, 1.0);
@@ -263,7 +273,7 @@ void JointEquations::AddSighting(const LeastSquaresPoint& point, const Sighting&
   const Eigen::Vector2d share = ShareOf(seen);
   cost_ += 0.5 * kTail * std::log1p(term.residual.error.cwiseAbs2().dot(share) / kTail);
   if (linearise)
-    AddTerm<2, 5>(term.residual.error, term.by, term.at,
+    AddTerm<2, 6>(term.residual.error, term.by, term.at,
                   Eigen::Matrix2d((sighting_share_ * Weight(term.residual, seen) * share).asDiagonal()));
 }
 

@@ -11,6 +11,9 @@
 
 namespace cairn::landmark_map {
 
+// Unknowns of a robot that are the same all along: its odometry's three, and its ranges'.
+inline constexpr int kSystematic = 4;
+
 // Where each unknown stands in the vector of all: the nodes of each robot, the landmarks, each robot's
 // systematic errors.
 class UnknownLayout {
@@ -18,7 +21,7 @@ class UnknownLayout {
   explicit UnknownLayout(const LeastSquaresProblem& problem);
   int Node(std::size_t robot, std::size_t node) const { return first_[robot] + 3 * static_cast<int>(node); }
   int Landmark(std::size_t landmark) const { return landmarks_ + 2 * static_cast<int>(landmark); }
-  int Errors(std::size_t robot) const { return errors_ + 3 * static_cast<int>(robot); }
+  int Errors(std::size_t robot) const { return errors_ + kSystematic * static_cast<int>(robot); }
   int size() const { return size_; }
 
   PathMatrix Matrix(const LeastSquaresProblem& problem) const;
@@ -29,12 +32,13 @@ class UnknownLayout {
   int landmarks_ = 0, errors_ = 0, size_ = 0;
 };
 
-// A sighting's errors along its ray and across it, in standard deviations, and their derivatives by node and
-// landmark.
+// A sighting's errors along its ray and across it, in standard deviations, and their derivatives by node,
+// landmark and the offset of its ranges.
 struct SightingResidual {
   Eigen::Vector2d error;
   Eigen::Matrix<double, 2, 3> by_node;
   Eigen::Matrix2d by_landmark;
+  Eigen::Vector2d by_offset;  // of its ranges
 };
 
 // The problem with the edges' covariances, which hardly depend on the point. Keeps a reference to it.
@@ -75,8 +79,8 @@ class JointEquations {
 
   struct SightingTerm {
     SightingResidual residual;
-    Eigen::Matrix<double, 2, 5> by;
-    std::array<int, 5> at;
+    Eigen::Matrix<double, 2, 6> by;
+    std::array<int, 6> at;
   };
   SightingTerm Seen(const LeastSquaresPoint& point, const Sighting& seen) const;
 

@@ -181,6 +181,40 @@ Built Build(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
   return built;
 }
 
+// The least with the widths and what errors have in common that it shows. False: there is no solution.
+bool Settle(const LeastSquaresProblem& nominal, LeastSquaresProblem* problem, LeastSquaresEnd* end) {
+  constexpr int kRounds = 4, kStepsARound = 3;
+  constexpr double kSettled = 1.1;  // factor on a width
+  for (int round = 0; round < kRounds; ++round) {
+    problem->repeats = RepeatsIn(*problem, end->point);
+    const double change = ReestimateWidths(nominal, end->point, problem);
+    if (change == 0.0) return false;
+    if (change < kSettled) break;
+    *end = Descend(*problem, end->point, kStepsARound);
+  }
+  *end = Descend(*problem, end->point);
+  return true;
+}
+
+// A sensor's zero is seldom better than what single ranges err by.
+double OffsetPrior_m(const LeastSquaresProblem& problem) { return problem.noise.range_m; }
+
+// Whether ranges that are too long or too short by a constant explain so much more that each would err by 7%
+// less. Ranges that are distorted otherwise a constant fits a little, too, and makes no better map of them.
+bool HasOffset(const LeastSquaresProblem& problem, const LeastSquaresEnd& end) {
+  constexpr int kSteps = 20;
+  constexpr double kGain = 0.0677;  // nats a range: log(1.07)
+  const auto ranges = problem.sightings.size() -
+                      static_cast<std::size_t>(std::ranges::count_if(problem.sightings, &Sighting::contact));
+  if (ranges == 0) return false;
+  LeastSquaresProblem tried = problem;
+  tried.repeats = {};  // an offset that nobody takes off makes errors that go on
+  const LeastSquaresEnd without = Descend(tried, end.point, kSteps, kNearTheLeast);
+  tried.priors.range_m = OffsetPrior_m(problem);
+  const LeastSquaresEnd with = Descend(tried, without.point, kSteps, kNearTheLeast);
+  return without.cost - with.cost > kGain * static_cast<double>(ranges);
+}
+
 }  // namespace
 
 JointRefinement RefineJointly(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
@@ -200,16 +234,12 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
     return {"the least squares explains less than EM's own path", landmarks, {}, {}};
 
   LeastSquaresProblem problem = built.problem;
-  constexpr int kRounds = 4, kStepsARound = 3;
-  constexpr double kSettled = 1.1;  // factor on a width
-  for (int round = 0; round < kRounds; ++round) {
-    problem.repeats = RepeatsIn(problem, end.point);
-    const double change = ReestimateWidths(built.problem, end.point, &problem);
-    if (change == 0.0) return {"the least squares has no solution", landmarks, {}, {}};
-    if (change < kSettled) break;
-    end = Descend(problem, end.point, kStepsARound);
+  bool solved = Settle(built.problem, &problem, &end);
+  if (solved && HasOffset(problem, end)) {
+    problem.priors.range_m = OffsetPrior_m(problem);
+    solved = Settle(built.problem, &problem, &end);
   }
-  end = Descend(problem, end.point);
+  if (!solved) return {"the least squares has no solution", landmarks, {}, {}};
   constexpr double kMostScale = 0.5;
   for (const SystematicErrors& errors : end.point.errors) {
     if (!(std::max(std::abs(errors.way), std::abs(errors.turn)) < kMostScale))

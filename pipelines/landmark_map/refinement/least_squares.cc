@@ -14,9 +14,11 @@ double SquareOfIt(double x) { return x * x; }
 
 }  // namespace
 
-Eigen::Vector2d PlaceSeen(const Eigen::Vector3d& node, const Sighting& seen) {
+Eigen::Vector2d PlaceSeen(const Eigen::Vector3d& node, const Sighting& seen, double offset_m) {
   const double cosine = std::cos(node[2]), sine = std::sin(node[2]);
-  return {node[0] + cosine * seen.x_m - sine * seen.y_m, node[1] + sine * seen.x_m + cosine * seen.y_m};
+  const double share = seen.contact() ? 1.0 : 1.0 - offset_m / std::hypot(seen.x_m, seen.y_m);
+  const double x = share * seen.x_m, y = share * seen.y_m;
+  return {node[0] + cosine * x - sine * y, node[1] + sine * x + cosine * y};
 }
 
 Eigen::Matrix3d CovarianceOf(const EdgeSpread& spread, const EdgeWidths& widths) {
@@ -104,7 +106,8 @@ std::vector<std::vector<double>> SightingErrors_m(const LeastSquaresProblem& pro
     const auto robot = static_cast<std::size_t>(seen.robot), node = static_cast<std::size_t>(seen.node),
                landmark = static_cast<std::size_t>(seen.landmark);
     errors_m[landmark].push_back(
-        (PlaceSeen(point.nodes[robot][node], seen) - point.landmarks[landmark]).norm());
+        (PlaceSeen(point.nodes[robot][node], seen, point.errors[robot].range_m) - point.landmarks[landmark])
+            .norm());
   }
   return errors_m;
 }

@@ -23,17 +23,17 @@ struct Sighting {
   double x_m = 0.0, y_m = 0.0;  // from the robot, in its own frame; (0, 0): a contact detection
   bool contact() const { return x_m == 0.0 && y_m == 0.0; }
 };
-// Where it sees the landmark from its node.
-Eigen::Vector2d PlaceSeen(const Eigen::Vector3d& node, const Sighting& seen);
+// Where it sees the landmark from its node, its range being `offset_m` too long.
+Eigen::Vector2d PlaceSeen(const Eigen::Vector3d& node, const Sighting& seen, double offset_m = 0.0);
 
 // Standard deviations of one robot's odometry: of its heading's random walk, of turns, of ways.
 struct EdgeWidths {
   double walk_rad_per_sqrt_m = 0.0, turn_rad_per_sqrt_rad = 0.0, way_m_per_sqrt_m = 0.0;
 };
 
-// Scales of Cauchy priors of SystematicErrors: wide ones have heavy tails. 0: it is none.
+// Scales of Cauchy priors of SystematicErrors: wide ones have heavy tails. 0: there is no such error.
 struct SystematicPriors {
-  double drift_rad_per_m = 0.0, way = 0.0, turn = 0.0;
+  double drift_rad_per_m = 0.0, way = 0.0, turn = 0.0, range_m = 0.0;
 };
 
 // What one sighting errs by the next one of the same landmark errs by, too, where a sensor is not calibrated

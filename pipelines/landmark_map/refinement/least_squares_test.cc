@@ -30,7 +30,8 @@ TEST(Descend, FindsPathDriftAndScaleFromDeadReckoning) {
 
 // Where it ends no unknown's small change costs less.
 TEST(Descend, EndsWhereEveryDerivativeIsZero) {
-  const EightWorld world(4, 0.3 * kDegree, 1.0, 40);
+  EightWorld world(4, 0.3 * kDegree, 1.0, 40);
+  world.problem.priors.range_m = 0.1;
   LeastSquaresPoint end = world.Reckoned();
   for (int k = 0; k < 5; ++k) end = Descend(world.problem, end).point;
   const double least = CostOf(world.problem, end);
@@ -48,10 +49,28 @@ TEST(Descend, EndsWhereEveryDerivativeIsZero) {
   for (std::size_t l = 0; l < 6; ++l) expect_least(&end.landmarks[l].x(), 0.01, "landmark", l);
   expect_least(&end.errors[0].drift_rad_per_m, 1e-4, "drift", 0);
   expect_least(&end.errors[0].way, 1e-3, "way", 0);
+  expect_least(&end.errors[0].range_m, 0.01, "range", 0);
   expect_least(&end.errors[0].turn, 1e-3, "turn", 0);
 }
 
 // One in twenty of another landmark.
+// Where ranges differ, their zero and the world's scale are told apart.
+TEST(Descend, FindsWhatAllRangesAreTooLongBy) {
+  EightWorld world(6, 0.2 * kDegree, 1.02);
+  for (Sighting& seen : world.problem.sightings) {
+    const double longer = 1.0 + 0.4 / std::hypot(seen.x_m, seen.y_m);
+    seen.x_m *= longer;
+    seen.y_m *= longer;
+  }
+  const LeastSquaresPoint without = Descend(world.problem, world.Reckoned()).point;
+  EXPECT_EQ(without.errors[0].range_m, 0.0);
+  EXPECT_GT(PathRmse(without, world.truth), 0.2);
+  world.problem.priors.range_m = 0.1;
+  const LeastSquaresPoint with = Descend(world.problem, world.Reckoned()).point;
+  EXPECT_NEAR(with.errors[0].range_m, 0.4, 0.05);
+  EXPECT_LT(PathRmse(with, world.truth), 0.1);
+}
+
 TEST(Descend, WrongIdentitiesHardlyCount) {
   EightWorld world(5, 0.3 * kDegree, 1.0);
   for (std::size_t k = 7; k < world.problem.sightings.size(); k += 20)

@@ -12,11 +12,12 @@ struct Control {
   double turn_rad = 0.0, forward_m = 0.0;
 };
 
-// What one robot's odometry errs by in common. True motion is what odometry says, times 1 + way or 1 + turn,
-// less the drift of its heading.
+// What one robot's odometry and its ranges err by in common. True motion is what odometry says, times 1 + way
+// or 1 + turn, less the drift of its heading; a true distance is what its range says, less `range_m`.
 struct SystematicErrors {
   double drift_rad_per_m = 0.0;
   double way = 0.0, turn = 0.0;
+  double range_m = 0.0;
 };
 
 // From the frame of the first pose to the second one.

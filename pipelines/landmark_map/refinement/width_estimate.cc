@@ -101,7 +101,7 @@ double ReestimateWidths(const LeastSquaresProblem& nominal, const LeastSquaresPo
     const auto term = equations.Seen(point, seen);
     const double weight = equations.Weight(term.residual, seen);
     const Eigen::Vector2d share = equations.ShareOf(seen);
-    const Eigen::Matrix2d fitted = Fitted<2, 5>(term.by, term.at, inverse);
+    const Eigen::Matrix2d fitted = Fitted<2, 6>(term.by, term.at, inverse);
     const auto add = [&](int k, Redundancy* to) {
       to->squares += weight * SquareOfWidth(term.residual.error[k]);
       to->count += kMeanWeightedSquare * (1.0 - kHoldingShare * weight * share[k] * fitted(k, k));
