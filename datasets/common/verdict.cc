@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <span>
 
 #include "datasets/common/moved_landmarks.h"
+#include "datasets/common/wall_turns.h"
 #include "schema/kinds/grid_map.h"
 #include "schema/kinds/landmark_map.h"
 #include "schema/kinds/learning.h"
@@ -79,6 +81,12 @@ struct WeakestTime {
   std::size_t spans = 0;  // that go over it
 };
 
+// A loop that the path follows: from when to when, and along which axes it tells how far both lie apart.
+struct Tie {
+  Span span;
+  bool x = true, y = true;
+};
+
 // Of the time from the first span's start to the last one's end, without a tenth at either end.
 WeakestTime FindWeakestTime(const std::vector<Span>& spans) {
   constexpr double kEnds = 0.1;
@@ -101,6 +109,19 @@ WeakestTime FindWeakestTime(const std::vector<Span>& spans) {
         static_cast<std::size_t>(over) >= weakest.spans)
       continue;
     weakest = {std::max(begin_s, changes[i].first), static_cast<std::size_t>(over)};
+  }
+  return weakest;
+}
+
+// Of those that tell the distance along that axis which fewer tell.
+WeakestTime FindWeakestAxis(const std::vector<Tie>& ties) {
+  WeakestTime weakest{0, ties.size()};
+  for (const bool Tie::* axis : {&Tie::x, &Tie::y}) {
+    std::vector<Span> spans;
+    for (const Tie& tie : ties)
+      if (tie.*axis) spans.push_back(tie.span);
+    const WeakestTime time = spans.empty() ? WeakestTime{ties.front().span.first, 0} : FindWeakestTime(spans);
+    if (time.spans < weakest.spans) weakest = time;
   }
   return weakest;
 }
@@ -264,15 +285,15 @@ struct Untied {
   bool is_long = false;  // for its whole path
 };
 
-Untied LongestUntied(const kinds::LocalMap& map, const std::vector<std::vector<Span>>& closed) {
+Untied LongestUntied(const kinds::LocalMap& map, const std::vector<std::vector<Tie>>& closed) {
   constexpr double kLong_m = 20, kLongShare = 0.1;
   Untied longest;
   for (std::size_t r = 0; r < map.robot.size(); ++r) {
     const kinds::PoseTable& poses = map.robot[r].poses;
     double first_s = HUGE_VAL, last_s = -HUGE_VAL;
-    for (const auto& [from_s, to_s] : closed[r]) {
-      first_s = std::min(first_s, from_s);
-      last_s = std::max(last_s, to_s);
+    for (const Tie& tie : closed[r]) {
+      first_s = std::min(first_s, tie.span.first);
+      last_s = std::max(last_s, tie.span.second);
     }
     double before_m = 0, after_m = 0, all_m = 0;
     for (std::size_t i = 1; i < poses.time_s.OrNone().size(); ++i) {
@@ -290,6 +311,32 @@ Untied LongestUntied(const kinds::LocalMap& map, const std::vector<std::vector<S
                .is_long = most_m > std::max(kLong_m, kLongShare * all_m)};
   }
   return longest;
+}
+
+// The path takes all walls to stand along two directions at right angles: loops are found on it, and close on
+// a map that is bent, too.
+Doubt OfWalls(const WallTurns& turns) {
+  constexpr double kScale = 0.05, kFarScale = 0.1, kRadian = std::numbers::pi / 180;
+  constexpr double kSteps_rad = 3 * kRadian, kSteps = 4, kAlike = 0.5, kAlike_rad = 1 * kRadian,
+                   kOthers = 0.4;
+  constexpr std::size_t kPairs = 50;
+  if (turns.path_m == 0) return {Confidence::kHigh};
+  const bool bends = turns.pairs >= kPairs && turns.alike > kAlike && turns.alike_rad > kAlike_rad;
+  const bool steps = turns.rms_rad > std::max(kSteps_rad, kSteps * turns.sd_rad);
+  if (bends || steps || std::abs(turns.turn_scale) > kFarScale)
+    return {Confidence::kLow,
+            "the path turns otherwise than odometry at some places: it supposes that walls stand at right "
+            "angles, and "
+            "is wrong where they do not"};
+  if (turns.other_share > kOthers)
+    return {
+        Confidence::kLow,
+        fmt::format("{:.0f}% of the scans see hardly any of the walls at right angles that the path rests on",
+                    100 * turns.other_share)};
+  if (std::abs(turns.turn_scale) > kScale)
+    return {Confidence::kFair, fmt::format("odometry's turns are {:.0f}% off, if walls stand at right angles",
+                                           100 * std::abs(turns.turn_scale))};
+  return {Confidence::kHigh};
 }
 
 constexpr std::int32_t kLoop = 2;  // LocalMap::Connections::kind
@@ -378,10 +425,11 @@ Verdict LandmarkMapVerdict(const Blob& result) {
 }
 
 Verdict LocalMapVerdict(const Blob& result) {
-  constexpr std::size_t kHighTies = 20, kFairTies = 5;
+  constexpr std::size_t kHighTies = 20, kFairTies = 5, kHighTiesAlongAxis = 10;
   const auto map = Read<kinds::LocalMap>(result);
   std::size_t loops = 0, contradicted = 0;
-  std::vector<std::vector<Span>> closed(map.robot.size());  // by each robot's loops
+  std::vector<std::vector<Tie>> closed(map.robot.size());  // by each robot's loops
+  const auto tells_x = map.connections.tells_x.OrNone(), tells_y = map.connections.tells_y.OrNone();
   for (std::size_t i = 0; i < map.connections.kind.OrNone().size(); ++i) {
     if (map.connections.kind[i] != kLoop) continue;
     ++loops;
@@ -389,7 +437,8 @@ Verdict LocalMapVerdict(const Blob& result) {
     const auto trace = static_cast<std::size_t>(map.connections.from[i]);
     const auto robot = static_cast<std::size_t>(map.traces.robot[trace]);
     if (map.connections.used[i] != 0 && robot < closed.size())
-      closed[robot].push_back(std::minmax(map.connections.from_s[i], map.connections.to_s[i]));
+      closed[robot].push_back({std::minmax(map.connections.from_s[i], map.connections.to_s[i]),
+                               tells_x.empty() || tells_x[i] != 0, tells_y.empty() || tells_y[i] != 0});
   }
   Verdict verdict;
   AddCount("loops", loops, &verdict);
@@ -398,17 +447,24 @@ Verdict LocalMapVerdict(const Blob& result) {
     verdict.why = "no place was recognised twice, so nothing checks the path";
     return verdict;
   }
-  WeakestTime weakest{0, loops};
-  for (const std::vector<Span>& of_robot : closed)
-    if (!of_robot.empty())
-      if (const WeakestTime time = FindWeakestTime(of_robot); time.spans < weakest.spans) weakest = time;
+  WeakestTime weakest{0, loops}, weakest_axis{0, loops};
+  for (const std::vector<Tie>& of_robot : closed) {
+    if (of_robot.empty()) continue;
+    std::vector<Span> spans;
+    for (const Tie& tie : of_robot) spans.push_back(tie.span);
+    if (const WeakestTime time = FindWeakestTime(spans); time.spans < weakest.spans) weakest = time;
+    if (const WeakestTime time = FindWeakestAxis(of_robot); time.spans < weakest_axis.spans)
+      weakest_axis = time;
+  }
   AddCount("loops_over_weakest_time", weakest.spans, &verdict);
+  AddCount("loops_along_weakest_axis", weakest_axis.spans, &verdict);
   const Untied untied = LongestUntied(map, closed);
   verdict.numbers.emplace_back("untied_m", untied.travelled_m);
   if (5 * contradicted > loops || weakest.spans < kFairTies)
     verdict.trust = Confidence::kLow;
   else
-    verdict.trust = weakest.spans >= kHighTies && 50 * contradicted <= loops && !untied.is_long
+    verdict.trust = weakest.spans >= kHighTies && weakest_axis.spans >= kHighTiesAlongAxis &&
+                            50 * contradicted <= loops && !untied.is_long
                         ? Confidence::kHigh
                         : Confidence::kFair;
   verdict.why = contradicted == 0 ? fmt::format("the path closes all of {} loops", loops)
@@ -423,6 +479,22 @@ Verdict LocalMapVerdict(const Blob& result) {
         "; what comes after {:.0f} s hangs on {} of them, and where a robot slipped or was "
         "carried nothing else says so",
         weakest.time_s, weakest.spans);
+  else if (weakest_axis.spans < kHighTiesAlongAxis)
+    verdict.why += fmt::format(
+        "; along one direction, as of a blank corridor, what comes after {:.0f} s hangs on {} of them, and "
+        "where a "
+        "robot slipped that way nothing else says so",
+        weakest_axis.time_s, weakest_axis.spans);
+  for (std::size_t r = 0; r < map.robot.size(); ++r) {
+    const WallTurns turns = FindWallTurns(map.robot[r]);
+    verdict.numbers.emplace_back("walls_turn_scale", turns.turn_scale);
+    verdict.numbers.emplace_back("walls_turns_rms_rad", turns.rms_rad);
+    verdict.numbers.emplace_back("walls_turns_alike", turns.alike);
+    const Doubt doubt = OfWalls(turns);
+    verdict.trust = std::min(verdict.trust, doubt.at_most);
+    if (!doubt.text.empty() && verdict.why.find(doubt.text) == std::string::npos)
+      verdict.why += "; " + doubt.text;
+  }
   return verdict;
 }
 

@@ -150,6 +150,28 @@ TEST(LocalMapVerdict, ATimeThatFewLoopsGoOverIsNamed) {
   EXPECT_EQ(LocalMapVerdict(LocalMapOf(loops, 1)).trust, Confidence::kFair);
 }
 
+// Up and down a blank corridor: all loops tell the distance to its walls, few how far along it they are.
+TEST(LocalMapVerdict, LoopsThatTellTheDistanceAcrossAloneTieNothingAlong) {
+  for (const char* axis : {"connections/tells_x", "connections/tells_y"}) {
+    Blob map = LocalMapOf(Loops(100, 1, 50));
+    for (const char* other : {"connections/tells_x", "connections/tells_y"})
+      map.PutVector<std::uint8_t>(other, std::vector<std::uint8_t>(100, 1));
+    EXPECT_EQ(LocalMapVerdict(map).trust, Confidence::kHigh);
+    std::vector<std::uint8_t> tells(100, 0);
+    map.PutVector<std::uint8_t>(axis, tells);
+    EXPECT_EQ(LocalMapVerdict(map).Text(),
+              "fair: the path closes all of 100 loops; along one direction, as of a blank corridor, what "
+              "comes after "
+              "1 s hangs on 0 of them, and where a robot slipped that way nothing else says so");
+    for (std::size_t i = 0; i < 9; ++i) tells[i] = 1;
+    map.PutVector<std::uint8_t>(axis, tells);
+    EXPECT_EQ(LocalMapVerdict(map).trust, Confidence::kFair);
+    tells[9] = 1;
+    map.PutVector<std::uint8_t>(axis, tells);
+    EXPECT_EQ(LocalMapVerdict(map).trust, Confidence::kHigh);
+  }
+}
+
 TEST(LocalMapVerdict, ALongWayAfterTheLastLoopIsNamed) {
   const auto verdict_of = [](double after_m) {
     Blob map = LocalMapOf(Loops(30, 1, 50));

@@ -47,7 +47,7 @@ struct ConnectionRow {
   double from_s = 0, to_s = 0;
   Position at_from, at_to;
   double quality = 0;
-  bool used = false;
+  bool used = false, tells_x = true, tells_y = true;
   static void Fields(const auto& field) {
     field("from", &ConnectionRow::from);
     field("to", &ConnectionRow::to);
@@ -60,6 +60,8 @@ struct ConnectionRow {
     field("to_u_m", [](auto& row) -> auto& { return row.at_to.u_m; });
     field("quality", &ConnectionRow::quality);
     field("used", &ConnectionRow::used);
+    field("tells_x", &ConnectionRow::tells_x);
+    field("tells_y", &ConnectionRow::tells_y);
   }
 };
 using ConnectionRows = std::vector<ConnectionRow>;
@@ -116,6 +118,9 @@ void AddLoops(const Parts& parts, ConnectionRows* c) {
     Add(parts, loop.trace, static_cast<std::size_t>(to), 2, scans[nearest], scans[node.scan], loop.quality,
         loop.used, c);
     c->back().at_from = at;
+    const bool along_x = trace.frame.quarter % 2 == 0;
+    c->back().tells_x = !std::isnan(along_x ? loop.at.z_m : loop.at.u_m);
+    c->back().tells_y = !std::isnan(along_x ? loop.at.u_m : loop.at.z_m);
   }
 }
 

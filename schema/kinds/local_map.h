@@ -85,7 +85,7 @@ struct LocalMap {
   struct Connections {
     Column<std::int32_t> from, to, kind;
     Column<double> from_s, to_s, from_z_m, from_u_m, to_z_m, to_u_m, quality;
-    Column<std::uint8_t> used;
+    Column<std::uint8_t> used, tells_x, tells_y;
     static void Fields(const auto& field) {
       field(Needed("from", "K", IndexInto("traces/robot")), &Connections::from);
       field(Needed("to", "K", IndexInto("traces/robot")), &Connections::to);
@@ -98,6 +98,8 @@ struct LocalMap {
       field(Needed("to_u_m", "K", Position()), &Connections::to_u_m);
       field(Needed("quality", "K", Share()), &Connections::quality);
       field(Needed("used", "K", YesNo()), &Connections::used);
+      field({"tells_x", "K", YesNo()}, &Connections::tells_x);
+      field({"tells_y", "K", YesNo()}, &Connections::tells_y);
     }
   };
   struct Edges {

@@ -1,0 +1,95 @@
+#include "datasets/common/wall_turns.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "datasets/common/verdict.h"
+#include "schema/rng.h"
+
+namespace cairn::datasets {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+// A robot goes round a rectangle of 30 by 20 m `laps` times, or `back` and forth. Its path has all turns at right
+// angles; odometry says `bend_rad` more of each corner, or of one only.
+struct Rounds {
+  int laps = 3;
+  double bend_rad = 0, drift_rad_per_m = 0.005, walk_rad = 0.01;
+  bool one_corner = false;
+
+  kinds::LocalMap::Robot Make() const {
+    constexpr double kStep_m = 0.25;
+    Rng rng(3);
+    std::vector<double> time_s, angle, strength;
+    std::vector<std::uint8_t> locked, other;
+    std::vector<Pose> poses;
+    Pose pose;
+    double walls = 0.3;
+    for (int side = 0; side < 4 * laps; ++side) {
+      const int steps = side % 2 == 0 ? 120 : 80;
+      for (int k = 0; k < steps; ++k) {
+        pose.x_m += kStep_m * std::cos(pose.heading_rad);
+        pose.y_m += kStep_m * std::sin(pose.heading_rad);
+        walls += drift_rad_per_m * kStep_m + walk_rad * std::sqrt(kStep_m) * rng.Normal();
+        poses.push_back(pose);
+        time_s.push_back(static_cast<double>(time_s.size()));
+        angle.push_back(walls - std::floor(walls / (std::numbers::pi / 2)) * (std::numbers::pi / 2));
+        strength.push_back(1);
+        locked.push_back(1);
+        other.push_back(0);
+      }
+      if (!one_corner || side % 4 == 1) walls += bend_rad;
+      pose.heading_rad = WrapAngle(pose.heading_rad + std::numbers::pi / 2);
+    }
+    kinds::LocalMap::Robot robot;
+    robot.poses.Set(time_s, poses);
+    robot.walls.time_s = time_s;
+    robot.walls.angle_rad = angle;
+    robot.walls.strength = strength;
+    robot.walls.locked = locked;
+    robot.walls.other_area = other;
+    return robot;
+  }
+};
+
+TEST(FindWallTurns, OdometrysDriftIsNoTurnOfTheWalls) {
+  const WallTurns turns = FindWallTurns(Rounds{}.Make());
+  EXPECT_NEAR(turns.path_m, 300, 1);
+  EXPECT_NEAR(turns.turn_scale, 0, 0.02);
+  EXPECT_NEAR(turns.sd_rad, 0.01 * std::sqrt(2), 0.004);
+  EXPECT_LT(turns.rms_rad, 1.5 * turns.sd_rad);
+  EXPECT_GT(turns.pairs, 200U);
+  EXPECT_LT(turns.alike, 0.3);
+  EXPECT_EQ(turns.other_share, 0);
+  EXPECT_EQ(FindWallTurns({}).path_m, 0);
+}
+
+// A triangle's corners are all alike, and look as if odometry made too much of each turn; those of an irregular building
+// are not.
+TEST(FindWallTurns, CornersThatAreNotRightAnglesShow) {
+  const WallTurns all = FindWallTurns(Rounds{.bend_rad = 30 * kDegree}.Make());
+  EXPECT_NEAR(all.turn_scale, 0.25, 0.02);
+  EXPECT_GT(all.alike, 0.6);
+  const WallTurns one = FindWallTurns(Rounds{.bend_rad = 30 * kDegree, .walk_rad = 0.005, .one_corner = true}.Make());
+  EXPECT_GT(one.rms_rad, 4 * one.sd_rad);
+  EXPECT_GT(one.alike_rad, 2 * kDegree);
+  const WallTurns little = FindWallTurns(Rounds{.bend_rad = 10 * kDegree, .one_corner = true}.Make());
+  EXPECT_GT(little.alike, 0.5);
+  EXPECT_GT(little.alike_rad, 1 * kDegree);
+}
+
+// An error of odometry comes once, and not again where the robot passes the place again.
+TEST(FindWallTurns, ASlipIsNotAlikeFromPassToPass) {
+  kinds::LocalMap::Robot robot = Rounds{}.Make();
+  auto angle = robot.walls.angle_rad.vector();
+  for (std::size_t i = 500; i < angle.size(); ++i) angle[i] = std::fmod(angle[i] + 10 * kDegree, std::numbers::pi / 2);
+  robot.walls.angle_rad = angle;
+  EXPECT_LT(FindWallTurns(robot).alike, 0.3);
+}
+
+}  // namespace
+}  // namespace cairn::datasets
