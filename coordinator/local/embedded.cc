@@ -1,9 +1,10 @@
 #include "coordinator/local/embedded.h"
 
+#include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <optional>
 #include <set>
+#include <span>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "schema/numerics.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
+#include "schema/store/regular_file.h"
 #include "schema/wire/shared_blobs.h"
 
 namespace cairn::coordinator {
@@ -55,10 +57,10 @@ double Now() {
 // lies beyond the names that a job may have.
 std::set<std::string> ReadStages(const fs::path& path) {
   constexpr std::size_t kMostBytes = 1 << 16;
-  std::string text(kMostBytes, '\0');
-  std::ifstream file(path);
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
+  const Result<RegularFile> file = RegularFile::Open(path);
+  if (!file.ok()) return {};
+  std::string text(std::min<std::uint64_t>(kMostBytes, file.value().size()), '\0');
+  if (file.value().ReadAt(std::as_writable_bytes(std::span(text)), 0) != 0) return {};
   if (text.size() == kMostBytes) text.resize(text.rfind('\n') + 1);  // a name that was cut is another
   std::set<std::string> stages;
   std::istringstream lines(text);

@@ -9,11 +9,11 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <fstream>
 #include <utility>
 
 #include "schema/store/atomic_file.h"
 #include "schema/store/checksum_trailer.h"
+#include "schema/store/regular_file.h"
 #include "schema/text.h"
 
 namespace cairn::coordinator {
@@ -51,6 +51,17 @@ Status RefuseLinks(const fs::path& dir) {
   }
   return error ? SystemFailure(dir, "look through", error.value()) : Status::Ok();
 }
+// 0: the folder has none yet; -1: what is there is no version.
+Result<int> ReadVersion(const fs::path& path) {
+  constexpr std::size_t kMostBytes = 1 << 10;
+  const Result<std::string> text = ReadSmallFile(path, kMostBytes);
+  if (!text.ok()) return text.status().code() == Code::kNotFound ? Result<int>(0) : text.status();
+  int version = 0;
+  const std::string digits = text.value().substr(0, text.value().find_first_not_of("0123456789"));
+  const auto [rest, failed] = std::from_chars(digits.data(), digits.data() + digits.size(), version);
+  return failed == std::errc{} && version > 1 ? version : -1;
+}
+
 }  // namespace
 
 Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
@@ -128,10 +139,10 @@ Status StoreFolder::MayWriteCheckpoints(const std::string& job) const {
 }
 
 Status StoreFolder::CheckVersion() const {
-  std::ifstream file(VersionFile());
-  int version = 0;
-  if (file && !(file >> version && version > 1))
-    return {Code::kCorrupt, VersionFile().string() + ": not the version of a store"};
+  const Result<int> read = ReadVersion(VersionFile());
+  if (!read.ok()) return read.status();
+  const int version = read.value();
+  if (version < 0) return {Code::kCorrupt, VersionFile().string() + ": not the version of a store"};
   if (version > kStoreVersion)
     return {Code::kVersion, dir_.string() + ": a store of version " + std::to_string(version) +
                                 ", of a newer Cairn; this one knows version " +
@@ -152,9 +163,9 @@ Status StoreFolder::CheckVersion() const {
 }
 
 Status StoreFolder::MakeFolders() const {
-  int version = 0;
-  std::ifstream(VersionFile()) >> version;
-  if (version != kStoreVersion)
+  const Result<int> version = ReadVersion(VersionFile());
+  if (!version.ok()) return version.status();
+  if (version.value() != kStoreVersion)
     if (Status status = WriteTextAtomically(VersionFile(), std::to_string(kStoreVersion) + "\n");
         !status.ok())
       return status;

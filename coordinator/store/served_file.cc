@@ -4,12 +4,11 @@
 
 #include <array>
 #include <charconv>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "schema/hash.h"
 #include "schema/store/atomic_file.h"
+#include "schema/store/regular_file.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -27,10 +26,12 @@ Status WriteServed(const std::filesystem::path& path, double served_s) {
 }
 
 Result<double> ReadServed(const std::filesystem::path& path) {
+  constexpr std::size_t kMostBytes = 1 << 10;
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return 0.0;
-  std::ifstream file(path);
-  const std::string line{std::istreambuf_iterator<char>(file), {}};
+  const Result<std::string> read = ReadSmallFile(path, kMostBytes);
+  if (!read.ok()) return read.status();
+  const std::string& line = read.value();
   const std::string seconds = line.substr(0, line.find(' '));
   double served_s = 0;
   const auto [rest, failed] = std::from_chars(seconds.data(), seconds.data() + seconds.size(), served_s);

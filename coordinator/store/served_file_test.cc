@@ -1,6 +1,7 @@
 #include "coordinator/store/served_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <iterator>
@@ -37,6 +38,19 @@ TEST_F(ServedFile, AnyFlippedByteAndAnyTruncationIsSeen) {
     std::ofstream(path_) << good.substr(0, i);
     EXPECT_EQ(ReadServed(path_).status().code(), Code::kCorrupt) << i;
   }
+}
+
+// Whoever may write the folder put it there: nobody waits for its writer, or reads to the end of it.
+TEST_F(ServedFile, WhatIsNoSmallFileIsRefused) {
+  ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+  EXPECT_EQ(ReadServed(path_).status().code(), Code::kRefused);
+  std::filesystem::remove(path_);
+  std::filesystem::create_directory(path_);
+  EXPECT_EQ(ReadServed(path_).status().code(), Code::kRefused);
+  std::filesystem::remove(path_);
+  std::ofstream(path_).close();
+  std::filesystem::resize_file(path_, std::uintmax_t{1} << 40);
+  EXPECT_EQ(ReadServed(path_).status().code(), Code::kCorrupt);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // The parts of the store, each by itself.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <map>
@@ -75,6 +76,19 @@ TEST(CheckpointFile, PartsThatDoNotFitTogetherAreRefused) {
   EXPECT_TRUE(refused([](proto::Checkpoint& c) { c.set_number(0); }));
   EXPECT_TRUE(refused([](proto::Checkpoint& c) { c.add_blobs("short"); }));
   EXPECT_TRUE(refused([](proto::Checkpoint& c) { c.mutable_step()->add_tasks()->set_index(9); }));
+}
+
+// A FIFO would wait for whoever writes into it.
+TEST(StoreFolder, AVersionThatIsNoFileIsRefused) {
+  const TempFolder temp;
+  ASSERT_TRUE(StoreFolder::Open(temp.path() / "s").ok());
+  const std::filesystem::path version = temp.path() / "s" / "version";
+  std::filesystem::remove(version);
+  ASSERT_EQ(::mkfifo(version.c_str(), 0600), 0);
+  EXPECT_EQ(StoreFolder::Open(temp.path() / "s").status().code(), Code::kRefused);
+  std::filesystem::remove(version);
+  std::ofstream(version) << "two\n";
+  EXPECT_EQ(StoreFolder::Open(temp.path() / "s").status().code(), Code::kCorrupt);
 }
 
 TEST(StoreFolder, HasOneOwner) {

@@ -18,7 +18,7 @@ constexpr std::size_t kWindow = 4;  // nodes
 struct TurnNode {
   Pose pose;
   double travelled_m = 0;
-  double walls_rad = 0;   // their direction by odometry, continuous: what the path turns against it
+  double walls_rad = 0;    // their direction by odometry, continuous: what the path turns against it
   double heading_rad = 0;  // of the path, continuous
 };
 
@@ -58,7 +58,8 @@ Rates Fit(const std::vector<TurnNode>& nodes, bool scaled) {
   for (std::size_t n = 1; n < nodes.size(); ++n) {
     const double way = nodes[n].travelled_m - nodes[n - 1].travelled_m,
                  by = nodes[n].walls_rad - nodes[n - 1].walls_rad,
-                 turn = nodes[n].heading_rad - nodes[n - 1].heading_rad + by, weight = 1 / (way + turn * turn);
+                 turn = nodes[n].heading_rad - nodes[n - 1].heading_rad + by,
+                 weight = 1 / (way + turn * turn);
     ww += weight * way * way;
     wt += weight * way * turn;
     tt += weight * turn * turn;

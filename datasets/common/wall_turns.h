@@ -1,5 +1,5 @@
-// Whether a local_map's walls stand at right angles, as its headings suppose: its path turns otherwise than odometry
-// where they do not.
+// Whether a local_map's walls stand at right angles, as its headings suppose: its path turns otherwise than
+// odometry where they do not.
 #pragma once
 
 #include <cstddef>
@@ -8,15 +8,15 @@
 
 namespace cairn::datasets {
 
-// Of how a robot's headings turn against odometry's from each half metre to that two metres on, less a drift that is
-// the same all along.
+// Of how a robot's headings turn against odometry's from each half metre to that two metres on, less a drift
+// that is the same all along.
 struct WallTurns {
   double path_m = 0;      // 0: no walls were seen
   double turn_scale = 0;  // what odometry would make too much of its turns
   // Turns less that share of odometry's: root mean square, and what most are within (1.48 medians).
   double rms_rad = 0, sd_rad = 0;
-  // Pairs of two passes of one place in one direction or the other; how alike both turn against odometry there: their
-  // correlation, and its root in radians.
+  // Pairs of two passes of one place in one direction or the other; how alike both turn against odometry
+  // there: their correlation, and its root in radians.
   std::size_t pairs = 0;
   double alike = 0, alike_rad = 0;
   double other_share = 0;  // of scans that see other edges rather than walls

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// A robot goes round a rectangle of 30 by 20 m `laps` times, or `back` and forth. Its path has all turns at right
-// angles; odometry says `bend_rad` more of each corner, or of one only.
+// A robot goes round a rectangle of 30 by 20 m `laps` times, or `back` and forth. Its path has all turns at
+// right angles; odometry says `bend_rad` more of each corner, or of one only.
 struct Rounds {
   int laps = 3;
   double bend_rad = 0, drift_rad_per_m = 0.005, walk_rad = 0.01;
@@ -68,13 +68,14 @@ TEST(FindWallTurns, OdometrysDriftIsNoTurnOfTheWalls) {
   EXPECT_EQ(FindWallTurns({}).path_m, 0);
 }
 
-// A triangle's corners are all alike, and look as if odometry made too much of each turn; those of an irregular building
-// are not.
+// A triangle's corners are all alike, and look as if odometry made too much of each turn; those of an
+// irregular building are not.
 TEST(FindWallTurns, CornersThatAreNotRightAnglesShow) {
   const WallTurns all = FindWallTurns(Rounds{.bend_rad = 30 * kDegree}.Make());
   EXPECT_NEAR(all.turn_scale, 0.25, 0.02);
   EXPECT_GT(all.alike, 0.6);
-  const WallTurns one = FindWallTurns(Rounds{.bend_rad = 30 * kDegree, .walk_rad = 0.005, .one_corner = true}.Make());
+  const WallTurns one =
+      FindWallTurns(Rounds{.bend_rad = 30 * kDegree, .walk_rad = 0.005, .one_corner = true}.Make());
   EXPECT_GT(one.rms_rad, 4 * one.sd_rad);
   EXPECT_GT(one.alike_rad, 2 * kDegree);
   const WallTurns little = FindWallTurns(Rounds{.bend_rad = 10 * kDegree, .one_corner = true}.Make());
@@ -86,7 +87,8 @@ TEST(FindWallTurns, CornersThatAreNotRightAnglesShow) {
 TEST(FindWallTurns, ASlipIsNotAlikeFromPassToPass) {
   kinds::LocalMap::Robot robot = Rounds{}.Make();
   auto angle = robot.walls.angle_rad.vector();
-  for (std::size_t i = 500; i < angle.size(); ++i) angle[i] = std::fmod(angle[i] + 10 * kDegree, std::numbers::pi / 2);
+  for (std::size_t i = 500; i < angle.size(); ++i)
+    angle[i] = std::fmod(angle[i] + 10 * kDegree, std::numbers::pi / 2);
   robot.walls.angle_rad = angle;
   EXPECT_LT(FindWallTurns(robot).alike, 0.3);
 }

@@ -31,20 +31,21 @@ Fit FitAt(const std::vector<TrackAndTruth>& robots, std::size_t every, double sh
   return {shift_s, pairs.empty() ? 0 : RmseM(pairs, FitRigid(pairs)), pairs.size()};
 }
 
-// Shifts from `low` to `high`, the step of the first search apart.
-void AddShifts(double low_s, double high_s, std::vector<double>* shifts_s) {
-  for (double shift_s = low_s; shift_s <= high_s; shift_s += kStep_s) shifts_s->push_back(shift_s);
+// Shifts about `middle_s`, the step of the first search apart.
+void AddShifts(double middle_s, double around_s, std::vector<double>* shifts_s) {
+  const int steps = static_cast<int>(around_s / kStep_s);
+  for (int k = -steps; k <= steps; ++k) shifts_s->push_back(middle_s + k * kStep_s);
 }
 
 std::vector<double> ShiftsToTry(const std::vector<TrackAndTruth>& robots, bool share_times) {
   std::vector<double> shifts_s;
-  AddShifts(-kMost_s, kMost_s, &shifts_s);
+  AddShifts(0, kMost_s, &shifts_s);
   if (share_times) return shifts_s;
   for (const auto& [path, truth] : robots) {
     if (path.time_s.empty() || truth.time_s.empty()) continue;
     for (const double meets_s :
          {path.time_s.front() - truth.time_s.front(), path.time_s.back() - truth.time_s.back()})
-      AddShifts(meets_s - kAround_s, meets_s + kAround_s, &shifts_s);
+      AddShifts(meets_s, kAround_s, &shifts_s);
     break;  // one shift for all
   }
   return shifts_s;

@@ -39,6 +39,12 @@ TEST(OtherClock, IsFoundWhereNoTimeIsShared) {
   EXPECT_NEAR(clock->shift_s, -1.7e9, 0.05);
 }
 
+// Times in nanoseconds: half a second more is the same number.
+TEST(OtherClock, TimesToWhichHalfASecondAddsNothingEndTheSearch) {
+  EXPECT_FALSE(FindOtherClock({{WayBy(0, 1.7), WayBy(1.7e18, 0.5)}}));
+  EXPECT_FALSE(FindOtherClock({{WayBy(-1e300, 1.7), WayBy(1e300, 0.5)}}));
+}
+
 TEST(OtherClock, IsNoneWhereThePathsAreWrongOtherwise) {
   EXPECT_FALSE(FindOtherClock({}));
   EXPECT_FALSE(FindOtherClock({{WayBy(0, 1.7), Track()}}));

@@ -51,4 +51,16 @@ int RegularFile::ReadAt(std::span<std::byte> bytes, std::uint64_t at) const {
   return 0;
 }
 
+Result<std::string> ReadSmallFile(const std::filesystem::path& path, std::size_t most_bytes) {
+  const Result<RegularFile> file = RegularFile::Open(path);
+  if (!file.ok()) return file.status();
+  if (file.value().size() > most_bytes)
+    return Status(Code::kCorrupt, path.string() + ": " + std::to_string(file.value().size()) +
+                                      " bytes; no such file has more than " + std::to_string(most_bytes));
+  std::string text(file.value().size(), '\0');
+  if (const int error = file.value().ReadAt(std::as_writable_bytes(std::span(text)), 0); error != 0)
+    return SystemFailure(path, "cannot read", error);
+  return text;
+}
+
 }  // namespace cairn

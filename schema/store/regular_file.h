@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "schema/error.h"
@@ -32,5 +33,9 @@ class RegularFile {
   int fd_;
   std::uint64_t size_;
 };
+
+// The whole of a small file, of a format of our own. kNotFound, kRefused, kIo as above; kCorrupt: it holds
+// more than `most_bytes`.
+Result<std::string> ReadSmallFile(const std::filesystem::path& path, std::size_t most_bytes);
 
 }  // namespace cairn

@@ -1,9 +1,10 @@
 #include "coordinator/cli/output/pages.h"
 
+#include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <span>
+#include <sstream>
 
 #include "coordinator/cli/common/failure.h"
 #include "schema/hash.h"
@@ -31,17 +32,24 @@ std::vector<std::string> PagesOf(const std::vector<std::string>& stages) {
 std::string HashOfFile(const fs::path& path) {
   const Result<RegularFile> file = RegularFile::Open(path);
   if (!file.ok()) return "";
-  std::vector<std::byte> bytes(file.value().size());
-  if (file.value().ReadAt(bytes, 0) != 0) return "";
+  constexpr std::uint64_t kPart = 1 << 20;
+  std::vector<std::byte> part(kPart);
   Hasher hasher;
-  hasher.Add(std::span<const std::byte>(bytes));
+  for (std::uint64_t at = 0; at < file.value().size(); at += kPart) {
+    const std::span<std::byte> bytes(part.data(), std::min(kPart, file.value().size() - at));
+    if (file.value().ReadAt(bytes, at) != 0) return "";
+    hasher.Add(std::span<const std::byte>(bytes));
+  }
   return hasher.Finish().Hex();
 }
 
 // Name -> hash. A record that is damaged says too little, never too much.
 std::map<std::string, std::string> ReadRecord(const std::string& dir) {
+  constexpr std::size_t kMostBytes = 1 << 20;
   std::map<std::string, std::string> hashes;
-  std::ifstream record(RecordOf(dir));
+  const Result<std::string> text = ReadSmallFile(RecordOf(dir), kMostBytes);
+  if (!text.ok()) return hashes;
+  std::istringstream record(text.value());
   for (std::string hash, name; record >> hash >> name;) hashes[name] = hash;
   return hashes;
 }
