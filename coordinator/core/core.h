@@ -109,6 +109,7 @@ class Core {
   std::optional<wire::Refusal> WhyRefused(const wire::Hello& hello) const;
   Worker* Heard(const std::string& peer);  // null, and asked to say Hello, where it is not known
   // It says Hello anew, and has forgotten its tasks. True where it was to leave.
+  void SayMoved(Report::Level level, const std::string& what);
   bool Forget(Worker* known, const std::string& how);
   void BeginDraining(Worker& worker);
   void TellDrain(const Worker& worker);
@@ -202,6 +203,10 @@ class Core {
 
   CoreOptions options_;
   double now_s_ = 0;
+  struct {
+    double room = 1000, counted_s = 0;
+    std::uint64_t unsaid = 0;
+  } moves_;                   // of workers that come and go: of how many more the log may say
   double served_from_s_ = 0;  // where now_s_ would have stood when the store was first served
   JobMap jobs_;
   std::map<std::string, std::uint64_t> orders_;  // by job id

@@ -41,9 +41,23 @@ void Core::On(const WorkerHello& event) {
   Send send{event.peer, {}};
   send.message.mutable_welcome()->set_heartbeat_s(options_.heartbeat_s);
   actions_.push_back(std::move(send));
-  Say(Report::kInfo, WorkerName(hello) + " joined");
+  SayMoved(Report::kInfo, WorkerName(hello) + " joined");
   TakeBackBlame(hello);
   if (draining) BeginDraining(worker);
+}
+
+// Who may join may do so, and leave, a thousand times a second: the log is not to fill a disk.
+void Core::SayMoved(Report::Level level, const std::string& what) {
+  constexpr double kAtOnce = 1000, kPerS = 10;
+  moves_.room = std::min(kAtOnce, moves_.room + kPerS * (now_s_ - moves_.counted_s));
+  moves_.counted_s = now_s_;
+  if (moves_.room < 1) {
+    ++moves_.unsaid;
+    return;
+  }
+  --moves_.room;
+  Say(level, what + (moves_.unsaid > 0 ? " (" + std::to_string(moves_.unsaid) + " more came or went)" : ""));
+  moves_.unsaid = 0;
 }
 
 // Nobody to blame, unless it says so again and again.
@@ -104,7 +118,7 @@ void Core::On(const WorkerLeave& event) {
   Worker* worker = fleet_.Find(event.peer);
   if (worker == nullptr) return;
   const std::string what = WorkerName(worker->hello) + " left";
-  Say(Report::kInfo, what);
+  SayMoved(Report::kInfo, what);
   Lose(*worker, what, "");
 }
 
@@ -112,7 +126,7 @@ void Core::On(const WorkerLost& event) {
   Worker* worker = fleet_.Find(event.peer);
   if (worker == nullptr) return;
   const std::string what = WorkerName(worker->hello) + (event.ended ? " died" : " lost its connection");
-  Say(Report::kWarning, what);
+  SayMoved(Report::kWarning, what);
   if (!event.ended) NoteLost(*worker);
   Lose(*worker, what, what + " while it ran");
 }
@@ -150,6 +164,7 @@ void Core::Lose(Worker& worker, const std::string& what, const std::string& blam
     else
       ++moved[job->id];
   }
+  if (moves_.unsaid > 0) return;  // a job's log keeps its last lines: these would be all
   for (const auto& [id, count] : moved)
     Say(blame.empty() ? Report::kInfo : Report::kWarning, *FindJob(id),
         what + ": " + std::to_string(count) + " of the tasks that it had " + (count == 1 ? "goes" : "go") +

@@ -231,6 +231,18 @@ TEST(CoreWorkers, AnAnswerMayNameWhatItsJobHolds) {
   EXPECT_EQ(fixture.Info().round(), 1u);
 }
 
+// The log would fill a disk, and a job's lose its other lines.
+TEST(CoreWorkers, AWorkerThatJoinsAgainAndAgainIsNotLoggedEachTime) {
+  CoreFixture fixture;
+  fixture.Submit();
+  for (int i = 0; i < 5000; ++i) fixture.Join("w");
+  EXPECT_LT(fixture.said.size(), 2100U);
+  fixture.Advance(1);
+  fixture.Join("x");
+  EXPECT_NE(fixture.said.back().find(" joined (4000 more came or went)"), std::string::npos)
+      << fixture.said.back();
+}
+
 TEST(CoreWorkers, OnlyTheRunningTaskIsBlamedForADeadWorker) {
   CoreFixture fixture;
   Begin(fixture, 2, 2);

@@ -208,6 +208,7 @@ void Server::TakeDiskDone() {
       continue;
     }
     if (!done.asker.empty()) {
+      questions_.erase(done.asker);
       wire::Message answer;
       *answer.envelope.mutable_reply() = done.answer;
       Reply(done.asker, std::move(answer));

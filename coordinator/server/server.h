@@ -121,6 +121,7 @@ class Server {
   void Serve(const std::string& peer, const wire::WorkerQuery& query);
   void RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why);
   void AddResults(const std::string& job, wire::Message& reply);
+  bool MayAskWriter(const std::string& peer);
   void AnswerLog(const std::string& peer, const wire::JobQuery& query);
   std::string WhatIsWrong(const wire::JobQuery& query) const;
   std::string WhatIsWrong(const wire::WorkerQuery& query) const;
@@ -144,11 +145,12 @@ class Server {
   std::string last_refusal_;
   AccessControl access_control_;
   Refusals refusals_;
-  std::set<std::string> warned_;   // peers that were told once that they have no business here
-  std::uint64_t last_job_number_;  // that was ever given
-  WaitingLines waiting_lines_;     // of jobs' logs
-  std::uint64_t log_ticket_ = 0;   // of the lines that were written last
-  DiskWriter writer_;              // last: it is joined first
+  std::set<std::string> questions_;  // peers whose question is with the writer
+  std::set<std::string> warned_;     // peers that were told once that they have no business here
+  std::uint64_t last_job_number_;    // that was ever given
+  WaitingLines waiting_lines_;       // of jobs' logs
+  std::uint64_t log_ticket_ = 0;     // of the lines that were written last
+  DiskWriter writer_;                // last: it is joined first
 };
 
 }  // namespace cairn::coordinator

@@ -28,6 +28,14 @@ std::string FileNamePart(const std::string& name) {
   return part.empty() ? "job" : part;
 }
 
+// Enough of a name to know it by; it may be of 64 MB.
+std::string FirstOf(const std::string& name) {
+  std::size_t most = 200;
+  if (name.size() <= most) return name;
+  while (most > 0 && (static_cast<unsigned char>(name[most]) & 0xc0) == 0x80) --most;  // of one character
+  return name.substr(0, most) + "…";
+}
+
 // The latest ten, where there are more.
 std::string KnownJobs(const std::vector<wire::JobInfo>& jobs) {
   if (jobs.empty()) return "; there are none";
@@ -56,7 +64,7 @@ void Server::Serve(const std::string& peer, const wire::Fetch& fetch) {
     answer.envelope.mutable_blob();
     answer.blobs.push_back({hash.value(), blob});
   } else {
-    answer.envelope.mutable_missing()->set_hash(fetch.hash());
+    answer.envelope.mutable_missing()->set_hash(hash.ok() ? fetch.hash() : std::string());
   }
   transport_.Send(peer, std::move(answer));
 }
@@ -122,10 +130,10 @@ std::string Server::WhatIsWrong(const wire::JobQuery& query) const {
   const std::string& action = query.action();
   wire::Envelope envelope;
   *envelope.mutable_query() = query;
-  if (!RightNeeded(envelope)) return "there is no action '" + action + "': " + JobActions();
+  if (!RightNeeded(envelope)) return "there is no action '" + FirstOf(action) + "': " + JobActions();
   if (query.job().empty()) return action.empty() || action == "status" ? "" : "which job?";
   const Job* job = core_.FindJob(query.job());
-  if (job == nullptr) return "there is no job '" + query.job() + "'" + KnownJobs(core_.Jobs());
+  if (job == nullptr) return "there is no job '" + FirstOf(query.job()) + "'" + KnownJobs(core_.Jobs());
   const std::optional<JobCommand> command = CommandOf(action);
   if (!command) return "";
   if (command == JobCommand::kPrioritize &&
@@ -140,6 +148,9 @@ void Server::Serve(const std::string& peer, const wire::JobQuery& query) {
   if (const std::string wrong = WhatIsWrong(query); !wrong.empty()) return Reply(peer, Refusal(wrong));
   if (const auto command = CommandOf(query.action())) return Obey(peer, query, *command);
   if (query.action() == "logs") return AnswerLog(peer, query);
+  // Asked again while the answer is on its way, or by who does not read: what is read from the disk here
+  // stays in memory until it is out.
+  if (query.action() == "results" && transport_.Unsent(peer) > 0) return;
   wire::Message reply;
   reply.envelope.mutable_reply()->set_ok(true);
   if (query.job().empty())
@@ -159,7 +170,7 @@ std::string Server::WhatIsWrong(const wire::WorkerQuery& query) const {
   wire::Envelope envelope;
   *envelope.mutable_workers() = query;
   if (!RightNeeded(envelope))
-    return "there is no action '" + query.action() + "' on workers: " + WorkerActions();
+    return "there is no action '" + FirstOf(query.action()) + "' on workers: " + WorkerActions();
   if (query.worker() == 0 || core_.fleet().workers().contains(query.worker())) return "";
   return "there is no worker " + std::to_string(query.worker()) + "; cairn status lists them";
 }
@@ -182,6 +193,7 @@ void Server::Serve(const std::string& peer, const wire::WorkerQuery& query) {
 
 // All that is on disk when the writer comes to it is known here now, or was asked to be removed.
 void Server::Serve(const std::string& peer, const wire::Clean& clean) {
+  if (!MayAskWriter(peer)) return;
   log_(Severity::kInfo,
        clean.dry_run() ? "a client asks what there is to clean" : "a client has the store cleaned");
   std::set<Hash> needed = blobs_.Known();
@@ -189,9 +201,23 @@ void Server::Serve(const std::string& peer, const wire::Clean& clean) {
   writer_.Add(CleanWork{peer, {clean.damaged(), clean.dry_run(), std::move(needed)}});
 }
 
+// One question of each peer at a time, and of few peers: what has to be written waits behind them. The answer
+// to the one before answers who asks again.
+bool Server::MayAskWriter(const std::string& peer) {
+  constexpr std::size_t kMostQuestions = 64;
+  if (questions_.contains(peer)) return false;
+  if (questions_.size() >= kMostQuestions) {
+    Reply(peer, Refusal("the service is busy with what others ask; ask again"));
+    return false;
+  }
+  questions_.insert(peer);
+  return true;
+}
+
 // By the thread that writes: it has written what was told so far by then. So where the job is over, as it
 // stands now, nothing of how that came is missing.
 void Server::AnswerLog(const std::string& peer, const wire::JobQuery& query) {
+  if (!MayAskWriter(peer)) return;
   WriteLog();
   writer_.Add(ReadLogWork{peer, *core_.Find(query.job()), query.after()});
 }

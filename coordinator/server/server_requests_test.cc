@@ -1,6 +1,7 @@
 // What clients ask of a service.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "coordinator/server/rights.h"
@@ -321,6 +322,50 @@ TEST(ServerRequests, NumbersOfJobsAreNotUsedAgainAfterARestart) {
   EXPECT_EQ(fixture.Ask(fixture.Submission(fixture.MakeJob(), true)).jobs(0).id(), "1-toy");
   fixture.Start();
   EXPECT_EQ(fixture.Ask(fixture.Submission(fixture.MakeJob(2), true)).jobs(0).id(), "2-toy");
+}
+
+std::size_t AnswersTo(const ServerFixture& fixture, const std::string& peer) {
+  return static_cast<std::size_t>(
+      std::ranges::count(fixture.transport.sent, peer, &std::pair<std::string, wire::Message>::first));
+}
+
+// What waits for the writer is kept in memory, and what has to be written waits behind it.
+TEST(ServerRequests, OneQuestionOfAPeerIsWithTheWriterAtATime) {
+  ServerFixture fixture;
+  fixture.Submit();
+  for (int i = 0; i < 100; ++i) fixture.transport.Come("viewer", Query("a", "logs"));
+  for (int i = 0; i < 100; ++i) fixture.transport.Come("v" + std::to_string(i), Query("a", "logs"));
+  fixture.server->Step(0);
+  std::size_t busy = 0;
+  for (const auto& [peer, message] : fixture.transport.sent)
+    busy += message.envelope.reply().message() == "the service is busy with what others ask; ask again";
+  EXPECT_EQ(busy, 100U + 1 - 64);
+  fixture.Until([&] { return AnswersTo(fixture, "viewer") == 1; });
+  fixture.Until([&] { return AnswersTo(fixture, "v0") == 1; });
+  fixture.transport.Come("viewer", Query("a", "logs"));
+  fixture.Until([&] { return AnswersTo(fixture, "viewer") == 2; });
+}
+
+TEST(ServerRequests, ResultsAreNotReadForWhoHasNotReadTheOnesBefore) {
+  ServerFixture fixture;
+  fixture.transport.ComeWorker("w");
+  fixture.Submit();
+  fixture.Until([&] { return fixture.State() == "done"; });
+  fixture.transport.unsent["viewer"] = 1;
+  fixture.transport.Come("viewer", Query("a", "results"));
+  fixture.server->Step(0);
+  EXPECT_EQ(AnswersTo(fixture, "viewer"), 0U);
+  fixture.transport.unsent.clear();
+  fixture.transport.Come("viewer", Query("a", "results"));
+  fixture.Until([&] { return AnswersTo(fixture, "viewer") == 1; });
+  EXPECT_EQ(fixture.transport.sent.back().second.blobs.size(), 1U);
+}
+
+TEST(ServerRequests, LongNamesAreNotRepeatedWhole) {
+  ServerFixture fixture;
+  for (const wire::Message& query :
+       {Query(std::string(1 << 20, 'x'), "logs"), Query("a", std::string(1 << 20, 'x'))})
+    EXPECT_LT(fixture.Ask(query).message().size(), 1000U);
 }
 
 }  // namespace

@@ -27,6 +27,8 @@ class Transport {
   // Queues a message and never waits. False: the peer is known to be gone. True promises nothing: a message
   // that is lost on its way, or because the peer's queue is full, is made up for by leases.
   virtual bool Send(const std::string& peer, wire::Message message) = 0;
+  // Bytes of messages that wait to go out to it, but for small ones.
+  virtual std::size_t Unsent(const std::string& peer) const = 0;
   // Closes a peer's connection; what it still sends is thrown away.
   virtual void Drop(const std::string& peer) = 0;
   // What was turned away before it could say anything, since the last call.

@@ -31,6 +31,7 @@ class ZmqTransport : public Transport {
     return socket_.Send(peer, std::move(message)).code() != Code::kNotFound;
   }
 
+  std::size_t Unsent(const std::string& peer) const override { return socket_.Unsent(peer); }
   void Drop(const std::string& peer) override { socket_.Drop(peer); }
   std::vector<wire::Refusal> TakeRefusals() override { return socket_.TakeRefusals(); }
   void Wake() override { wakeup_.Signal(); }

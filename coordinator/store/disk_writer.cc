@@ -51,6 +51,9 @@ DiskWriter::~DiskWriter() {
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
+    std::erase_if(queue_, [](const Item& item) {  // nobody is there for the answers
+      return std::holds_alternative<ReadLogWork>(item.work) || std::holds_alternative<CleanWork>(item.work);
+    });
   }
   changed_.notify_one();
   thread_.join();

@@ -45,6 +45,24 @@ TEST(ExportTum, WritesTheMostLikelyPosesOfEachRobot) {
   ExpectNear(Numbers(lines[2], ""), {2, 1, 0, 0, 0, 0, std::sqrt(0.5), std::sqrt(0.5)}, 1e-12);
 }
 
+TEST(ExportTum, EachRobotHasAFileOfItsOwnWhateverItsName) {
+  const TestFolder folder;
+  Blob result = SmallResult();
+  result.Put("robots", Array::Texts({"a_b_1", "A b"}));
+  EXPECT_EQ(ExportTum(result, folder / "case").value(),
+            (std::vector<std::string>{folder / "case/a_b_1.tum", folder / "case/A_b.tum"}));
+  result.Put("robots", Array::Texts({"a_b", "A b"}));
+  EXPECT_EQ(ExportTum(result, folder / "alike").value(),
+            (std::vector<std::string>{folder / "alike/a_b.tum", folder / "alike/A_b_1.tum"}));
+  Blob three = result;
+  for (const auto& [name, array] : result.fields())
+    if (name.starts_with("robot/1/")) three.Put("robot/2/" + name.substr(8), array);
+  three.Put("robots", Array::Texts({"a_b_2", "a b", "a.b"}));
+  EXPECT_EQ(ExportTum(three, folder / "three").value(),
+            (std::vector<std::string>{folder / "three/a_b_2.tum", folder / "three/a_b.tum",
+                                      folder / "three/a_b_2_2.tum"}));
+}
+
 TEST(Export, LeavesFilesAloneThatAreThereUnlessToldToReplaceThem) {
   const TestFolder folder;
   const std::string file = ExportCsv(SmallLog(), folder / "csv").value().at(0);

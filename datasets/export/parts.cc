@@ -18,7 +18,12 @@ std::string FileName(const std::string& robot, std::size_t index, std::set<std::
   for (char& c : name) {
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') c = '_';
   }
-  if (name.empty() || !taken->insert(name).second) taken->insert(name += "_" + std::to_string(index));
+  // Nor do two names differ in case alone, which some file systems do not tell apart.
+  const auto lower = [](std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+  };
+  while (name.empty() || !taken->insert(lower(name)).second) name += "_" + std::to_string(index);
   return name;
 }
 

@@ -36,6 +36,10 @@ Status DealerSocket::Impl::Open() {
     // Hello does.
     socket.set(zmq::sockopt::immediate, true);
     socket.set(zmq::sockopt::ipv6, true);
+    // Behind what acknowledges bytes and passes nothing on TCP notices nothing. The ROUTER answers these
+    // pings; its own it must not send (RouterSocket::Bind).
+    socket.set(zmq::sockopt::heartbeat_ivl, options.keepalive_ms);
+    socket.set(zmq::sockopt::heartbeat_timeout, 3 * options.keepalive_ms);
     socket.set(zmq::sockopt::reconnect_ivl, options.reconnect_ms);
     socket.set(zmq::sockopt::reconnect_ivl_max, options.reconnect_max_ms);
     if (security) {

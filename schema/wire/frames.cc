@@ -1,4 +1,5 @@
 #include <cerrno>
+#include <memory>
 #include <utility>
 
 #include "schema/wire/internal.h"
@@ -20,7 +21,39 @@ zmq::message_t FrameOf(const Array& array) {
       [](void*, void* hint) { delete static_cast<Array*>(hint); }, keep);
 }
 
+// The last frame of a message of so many bytes: when ZeroMQ lets it go, the message is out, or its peer is
+// gone.
+template <typename Kept>
+zmq::message_t LastFrame(Kept kept, std::span<const std::byte> (*bytes_of)(const Kept&),
+                         std::size_t message_bytes, const UnsentBytes& unsent) {
+  struct Hint {
+    Kept kept;
+    std::size_t message_bytes;
+    UnsentBytes unsent;
+  };
+  auto hint = std::make_unique<Hint>(Hint{std::move(kept), message_bytes, unsent});
+  const std::span<const std::byte> bytes = bytes_of(hint->kept);
+  *unsent += message_bytes;
+  // Nobody writes through this pointer. On ZeroMQ's thread:
+  return zmq::message_t(
+      const_cast<std::byte*>(bytes.data()), bytes.size(),
+      [](void*, void* kept_by) {
+        const std::unique_ptr<Hint> gone(static_cast<Hint*>(kept_by));
+        *gone->unsent -= gone->message_bytes;
+      },
+      hint.release());
+}
+
+std::span<const std::byte> BytesOfText(const std::string& text) { return std::as_bytes(std::span(text)); }
+std::span<const std::byte> BytesOfArray(const Array& array) { return array.bytes(); }
+
 }  // namespace
+
+std::size_t BytesIn(const Frames& frames) {
+  std::size_t bytes = frames.envelope.size();
+  for (const Array& array : frames.arrays) bytes += array.bytes().size();
+  return bytes;
+}
 
 Status ZmqStatus(const std::string& what, const zmq::error_t& error) {
   Code code = Code::kIo;
@@ -47,11 +80,21 @@ Status ZmqStatus(const std::string& what, const zmq::error_t& error) {
   return {code, what + ": " + error.what()};
 }
 
-Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames) {
+Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames, const UnsentBytes& unsent) {
   std::vector<zmq::message_t> parts;
   if (peer != nullptr) parts.emplace_back(peer->data(), peer->size());
-  parts.emplace_back(frames.envelope.data(), frames.envelope.size());
-  for (const Array& array : frames.arrays) parts.push_back(FrameOf(array));
+  const std::size_t bytes = unsent ? BytesIn(frames) : 0;
+  const bool counted = bytes >= kZeroCopyBytes;
+  if (counted && frames.arrays.empty()) {
+    parts.push_back(LastFrame(std::move(frames.envelope), BytesOfText, bytes, unsent));
+  } else {
+    parts.emplace_back(frames.envelope.data(), frames.envelope.size());
+  }
+  for (std::size_t i = 0; i < frames.arrays.size(); ++i) {
+    const bool last = i + 1 == frames.arrays.size();
+    parts.push_back(counted && last ? LastFrame(frames.arrays[i], BytesOfArray, bytes, unsent)
+                                    : FrameOf(frames.arrays[i]));
+  }
   try {
     for (std::size_t i = 0; i < parts.size(); ++i) {
       const auto more = i + 1 < parts.size() ? zmq::send_flags::sndmore : zmq::send_flags::none;

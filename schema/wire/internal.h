@@ -1,6 +1,9 @@
 // Shared by this folder's .cc files alone: cppzmq does not leave the folder.
 #pragma once
 
+#include <atomic>
+#include <memory>
+#include <string>
 #include <vector>
 #include <zmq.hpp>
 
@@ -13,9 +16,15 @@ struct Context::Impl {
   zmq::context_t zmq{1};
 };
 
+// Of messages that ZeroMQ has not handed to the kernel yet; its threads count down.
+using UnsentBytes = std::shared_ptr<std::atomic<std::size_t>>;
+
+std::size_t BytesIn(const Frames& frames);
+
 // Sends all frames, without blocking. kNotFound: no such peer. kBusy: its queue is full, or nobody is
-// connected.
-Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames);
+// connected. `unsent`: counts this message, unless it is small.
+Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames,
+                  const UnsentBytes& unsent = nullptr);
 
 // The frames of the next message; empty where none waits. Frames beyond `limits` are thrown away as they
 // come, the first of them kept, so that Decode refuses the message.

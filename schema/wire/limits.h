@@ -25,6 +25,7 @@ struct ConnectionLimits {
   std::size_t first_word_bytes = std::size_t{4} << 20;  // with keys: nothing longer is a first word
   std::size_t spare_files = 128;                        // descriptors that are kept for everything else
   std::size_t unread_bytes = std::size_t{8} << 30;  // that came over one connection and were not taken yet
+  std::size_t unsent_bytes = std::size_t{1} << 30;  // that wait to go out over one connection, or one message
 };
 
 // Of so many connections to a socket with keys, how many may be of whom: nobody takes the places of others.

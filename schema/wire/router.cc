@@ -29,7 +29,7 @@ void SetCommonOptions(zmq::socket_t& socket, const SocketOptions& options) {
   socket.set(zmq::sockopt::sndhwm, options.queue_messages);
   socket.set(zmq::sockopt::rcvhwm, options.queue_messages);
   socket.set(zmq::sockopt::handshake_ivl, options.handshake_ms);
-  // By TCP, not by ZMTP's pings: those are what is due there by itself (RouterSocket::Bind).
+  // By TCP, not by ZMTP's pings: a ROUTER's are what is due there by itself (RouterSocket::Bind).
   constexpr int kPings = 3;
   const int between_s = std::max(1, options.keepalive_ms / 1000);
   socket.set(zmq::sockopt::tcp_keepalive, 1);
@@ -137,7 +137,24 @@ std::optional<Received> RouterSocket::TryReceive() {
 
 Status RouterSocket::Send(const std::string& peer, Message message) {
   if (impl_->dropped.contains(peer)) return {Code::kNotFound, "this peer was dropped"};
-  return SendFrames(impl_->socket, &peer, Encode(std::move(message)));
+  Frames frames = Encode(std::move(message));
+  const UnsentBytes unsent = impl_->UnsentTo(peer);
+  if (*unsent > 0 && *unsent + BytesIn(frames) > impl_->options.connections.unsent_bytes)
+    return {Code::kBusy, "the peer has not read what was sent before"};
+  return SendFrames(impl_->socket, &peer, std::move(frames), unsent);
+}
+
+std::size_t RouterSocket::Unsent(const std::string& peer) const {
+  const auto found = impl_->unsent.find(peer);
+  return found == impl_->unsent.end() ? 0 : found->second->load();
+}
+
+UnsentBytes RouterSocket::Impl::UnsentTo(const std::string& peer) {
+  if (unsent.size() > 2 * options.connections.connections)
+    std::erase_if(unsent, [](const auto& of_peer) { return *of_peer.second == 0; });
+  UnsentBytes& bytes = unsent[peer];
+  if (!bytes) bytes = std::make_shared<std::atomic<std::size_t>>(0);
+  return bytes;
 }
 
 }  // namespace cairn::wire

@@ -59,8 +59,11 @@ class RouterSocket {
 
   const std::string& endpoint() const;  // as bound: tcp://…:* with the port that was chosen
   std::optional<Received> TryReceive();
-  // kNotFound: the peer is gone, or was dropped. kBusy: its queue is full.
+  // kNotFound: the peer is gone, or was dropped. kBusy: its queue is full, or it has not read what was sent
+  // before.
   Status Send(const std::string& peer, Message message);
+  // Bytes of messages that wait to go out to it, but for small ones.
+  std::size_t Unsent(const std::string& peer) const;
   // Closes a peer's connection; what it had sent, and still sends, is thrown away.
   void Drop(const std::string& peer);
   // What was turned away at the door since the last call, by kind. Messages are refused by TryReceive.

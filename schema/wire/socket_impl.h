@@ -20,14 +20,16 @@ struct RouterSocket::Impl {
   SocketOptions options;
   zmq::socket_t socket;
   std::string endpoint;
-  std::set<std::string> dropped;                     // peers whose messages are thrown away …
-  std::deque<std::string> drop_order;                // … of which only the latest are remembered
-  std::unordered_map<std::string, int> descriptors;  // by peer, as its last message had it
-  std::unique_ptr<ZapAuthenticator> authenticator;   // goes before the socket that it watches
+  std::set<std::string> dropped;                        // peers whose messages are thrown away …
+  std::deque<std::string> drop_order;                   // … of which only the latest are remembered
+  std::unordered_map<std::string, int> descriptors;     // by peer, as its last message had it
+  std::unordered_map<std::string, UnsentBytes> unsent;  // by peer
+  std::unique_ptr<ZapAuthenticator> authenticator;      // goes before the socket that it watches
 
   Received Receive(std::vector<zmq::message_t> frames);
   void Remember(const std::string& peer, int fd);
   void Drop(const std::string& peer);
+  UnsentBytes UnsentTo(const std::string& peer);
 };
 
 struct DealerSocket::Impl {

@@ -1,10 +1,12 @@
 #include "schema/wire/socket.h"
 
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -95,6 +97,115 @@ TEST(Socket, MessagesAndBlobsGoBothWays) {
     ASSERT_TRUE(down && down->status.ok());
     EXPECT_EQ(down->message.blobs[0].blob->fields(), BlobMessage(doubles).blobs[0].blob->fields());
   }
+}
+
+// What a peer does not read is counted, and no more is kept for it than one message or the limit.
+TEST(Socket, WhatAPeerDoesNotReadHasABound) {
+  SocketOptions options = Quick();
+  options.connections.unsent_bytes = 64 << 20;
+  PrivateFolder folder;
+  Context context;
+  RouterSocket router = RouterSocket::Bind(context, folder.Ipc("s"), {}, options).value();
+  zmq::context_t peers;
+  zmq::socket_t peer(peers, zmq::socket_type::dealer);
+  peer.set(zmq::sockopt::rcvhwm, 1);
+  peer.connect(folder.Ipc("s"));
+  SendRaw(peer, {Encode(HelloMessage("here")).envelope});
+  const std::optional<Received> hello = AwaitMessage(router);
+  ASSERT_TRUE(hello);
+  EXPECT_EQ(router.Unsent(hello->peer), 0U);
+  constexpr std::size_t kDoubles = 1 << 20;  // 8 MB
+  const Message message = BlobMessage(kDoubles);
+  std::size_t sent = 0;
+  while (sent < 100 && router.Send(hello->peer, message).ok()) ++sent;
+  EXPECT_GE(sent, 7U);
+  EXPECT_LT(sent, 20U);
+  EXPECT_EQ(router.Send(hello->peer, message).code(), Code::kBusy);
+  EXPECT_GT(router.Unsent(hello->peer), 0U);
+  zmq::message_t frame;
+  for (std::size_t i = 0; i < sent;)
+    if (peer.recv(frame)) i += frame.more() ? 0 : 1;
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (router.Unsent(hello->peer) > 0 && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_EQ(router.Unsent(hello->peer), 0U);
+  EXPECT_TRUE(router.Send(hello->peer, message).ok());
+  peer.set(zmq::sockopt::linger, 0);
+}
+
+// Between a dealer and a router's socket file: what it reads it passes on, or, stalled, throws away. Both
+// connections stand.
+class Relay {
+ public:
+  Relay(const std::string& listens, const std::string& goes_to) : to_(goes_to), listener_(Unix()) {
+    const sockaddr_un name = NameOf(listens);
+    EXPECT_EQ(::bind(listener_, reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
+    EXPECT_EQ(::listen(listener_, 8), 0);
+    thread_ = std::thread([this] { Run(); });
+  }
+  ~Relay() {
+    ended = true;
+    thread_.join();
+    for (const pollfd& end : ends_) ::close(end.fd);
+    ::close(listener_);
+  }
+  std::atomic<bool> stalled = false, ended = false;
+
+ private:
+  static int Unix() { return ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0); }
+  static sockaddr_un NameOf(const std::string& path) {
+    sockaddr_un name{};
+    name.sun_family = AF_UNIX;
+    path.copy(name.sun_path, sizeof name.sun_path - 1);
+    return name;
+  }
+  void Run() {
+    while (!ended) {
+      std::vector<pollfd> waits = ends_;
+      waits.push_back({listener_, POLLIN, 0});
+      ::poll(waits.data(), waits.size(), 5);
+      if (waits.back().revents != 0) Accept();
+      for (std::size_t i = 0; i + 1 < waits.size(); ++i)
+        if (waits[i].revents != 0) Pass(i);
+    }
+  }
+  void Accept() {
+    const sockaddr_un name = NameOf(to_);
+    ends_.push_back({::accept(listener_, nullptr, nullptr), POLLIN, 0});
+    ends_.push_back({Unix(), POLLIN, 0});
+    EXPECT_EQ(::connect(ends_.back().fd, reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
+  }
+  void Pass(std::size_t from) {
+    char bytes[4096];
+    const ssize_t count = ::read(ends_[from].fd, bytes, sizeof bytes);
+    if (count <= 0) {
+      ends_[from].events = 0;  // closed: the other end is left as it is
+    } else if (!stalled) {
+      EXPECT_EQ(::send(ends_[from ^ 1].fd, bytes, static_cast<std::size_t>(count), MSG_NOSIGNAL), count);
+    }
+  }
+
+  const std::string to_;
+  const int listener_;
+  std::vector<pollfd> ends_;  // of one connection at k and k + 1
+  std::thread thread_;
+};
+
+TEST(Socket, ADealerLeavesAConnectionThroughWhichNothingComes) {
+  SocketOptions options = Quick();
+  options.keepalive_ms = 50;
+  PrivateFolder folder;
+  Context context;
+  RouterSocket router = RouterSocket::Bind(context, folder.Ipc("s"), {}, options).value();
+  Relay relay((folder.path() / "relay").string(), (folder.path() / "s").string());
+  DealerSocket dealer = DealerSocket::Connect(context, folder.Ipc("relay"), {}, options).value();
+  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
+  ASSERT_TRUE(dealer.Send(HelloMessage("before")).ok());
+  ASSERT_TRUE(AwaitMessage(router));
+  relay.stalled = true;
+  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kDisconnected);
+  relay.stalled = false;
+  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
 }
 
 TEST(Socket, SendingToAnUnknownPeerSaysSo) {

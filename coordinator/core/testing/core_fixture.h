@@ -64,12 +64,13 @@ class CoreFixture {
   double now_s = 0;
   std::vector<Action> actions;  // of the last event
   std::vector<std::string> alarms;
+  std::vector<std::string> said;  // of the other reports
 
   void Do(const Event& event) {
     actions = core.Handle(event, now_s);
     for (const Action& action : actions) {
       if (const auto* report = std::get_if<Report>(&action))
-        if (report->level == Report::kAlarm) alarms.push_back(report->text);
+        (report->level == Report::kAlarm ? alarms : said).push_back(report->text);
       if (const auto* send = std::get_if<Send>(&action))
         if (send->message.has_assign()) assigned.push_back({send->peer, send->message.assign()});
     }

@@ -84,6 +84,11 @@ class FakeTransport : public Transport {
     sent.emplace_back(peer, std::move(message));
     return true;
   }
+  std::map<std::string, std::size_t> unsent;  // by peer
+  std::size_t Unsent(const std::string& peer) const override {
+    const auto found = unsent.find(peer);
+    return found == unsent.end() ? 0 : found->second;
+  }
   void Drop(const std::string& peer) override { dropped.insert(peer); }
   std::vector<wire::Refusal> TakeRefusals() override { return std::exchange(door, {}); }
   void Wake() override {}
