@@ -247,10 +247,17 @@ inline bool HasAny(const Blob& blob, const std::string& prefix) {
 }
 
 // How many groups "NAME/0/…" there are: of as many as the array of their names says ("robots", of "robot"),
-// else those that are there.
+// else those that are there. Throws InputError where they are too many.
 inline std::size_t CountGroups(const Blob& blob, const std::string& name) {
   const std::string names = name.substr(name.rfind('/') + 1) + "s";
-  if (blob.Has(names)) return static_cast<std::size_t>(blob.at(names).size());
+  constexpr std::int64_t kMost = 10'000;  // each takes kilobytes, whatever the file holds of it
+  if (blob.Has(names)) {
+    const std::int64_t count = blob.at(names).size();
+    if (count > kMost)
+      throw InputError("'" + names + "' has " + std::to_string(count) + " rows, where " +
+                       std::to_string(kMost) + " are the most");
+    return static_cast<std::size_t>(count);
+  }
   std::size_t count = 0;
   while (HasAny(blob, name + "/" + std::to_string(count) + "/")) ++count;
   return count;

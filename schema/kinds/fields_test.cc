@@ -96,6 +96,12 @@ TEST(Fields, ThatAreMissingOrOfAnotherFormAreNamed) {
   EXPECT_NE(Refusal(blob).find("'mark/count' holds"), std::string::npos);
 }
 
+TEST(Fields, OfMoreGroupsThanAnybodyHasAreNotMade) {
+  Blob blob = BlobOf(Example());
+  blob.Put("tracks", Array::Texts(std::vector<std::string>(10'001, "a")));
+  EXPECT_EQ(Refusal(blob), "'tracks' has 10001 rows, where 10000 are the most");
+}
+
 TEST(Rows, AreAppendedAfterThoseThatAreThere) {
   const std::vector<Mark> two = Example().marks;
   Blob blob;
