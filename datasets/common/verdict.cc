@@ -116,7 +116,7 @@ WeakestTime FindWeakestTime(const std::vector<Span>& spans) {
 // Of those that tell the distance along that axis which fewer tell.
 WeakestTime FindWeakestAxis(const std::vector<Tie>& ties) {
   WeakestTime weakest{0, ties.size()};
-  for (const bool Tie::* axis : {&Tie::x, &Tie::y}) {
+  for (const bool Tie::*axis : {&Tie::x, &Tie::y}) {
     std::vector<Span> spans;
     for (const Tie& tie : ties)
       if (tie.*axis) spans.push_back(tie.span);
@@ -196,7 +196,7 @@ struct FurthestScale {
   double scale = 1;
 };
 
-FurthestScale FindFurthest(const kinds::LandmarkMap& map, Column<double> kinds::LandmarkMap::Robot::* scale,
+FurthestScale FindFurthest(const kinds::LandmarkMap& map, Column<double> kinds::LandmarkMap::Robot::*scale,
                            const char* name, Verdict* verdict) {
   FurthestScale furthest;
   bool any = false;
@@ -313,21 +313,31 @@ Untied LongestUntied(const kinds::LocalMap& map, const std::vector<std::vector<T
   return longest;
 }
 
+constexpr double kFarTurnScale = 0.1;  // no wheels make that much too much of turns
+
+// How odometry contradicts the right angles of walls.
+std::string OtherwiseText(const WallTurns& turns) {
+  if (turns.places > 0)
+    return fmt::format("{} odometry turns by {:.0f} degrees otherwise",
+                       turns.places == 1 ? "once" : std::to_string(turns.places) + " times",
+                       turns.place_rad * 180 / std::numbers::pi);
+  if (std::abs(turns.turn_scale) > kFarTurnScale)
+    return fmt::format("odometry's turns would be {:.0f}% off", 100 * std::abs(turns.turn_scale));
+  return "odometry turns otherwise each time a place is passed";
+}
+
 // The path takes all walls to stand along two directions at right angles: loops are found on it, and close on
 // a map that is bent, too.
 Doubt OfWalls(const WallTurns& turns) {
-  constexpr double kScale = 0.05, kFarScale = 0.1, kRadian = std::numbers::pi / 180;
+  constexpr double kScale = 0.05, kRadian = std::numbers::pi / 180;
   constexpr double kSteps_rad = 3 * kRadian, kSteps = 4, kAlike = 0.5, kAlike_rad = 1 * kRadian,
                    kOthers = 0.4;
   constexpr std::size_t kPairs = 50;
   if (turns.path_m == 0) return {Confidence::kHigh};
   const bool bends = turns.pairs >= kPairs && turns.alike > kAlike && turns.alike_rad > kAlike_rad;
   const bool steps = turns.rms_rad > std::max(kSteps_rad, kSteps * turns.sd_rad);
-  if (bends || steps || std::abs(turns.turn_scale) > kFarScale)
-    return {Confidence::kLow,
-            "the path turns otherwise than odometry at some places: it supposes that walls stand at right "
-            "angles, and "
-            "is wrong where they do not"};
+  if (bends || steps || std::abs(turns.turn_scale) > kFarTurnScale)
+    return {Confidence::kLow, "walls were taken to stand at right angles, but " + OtherwiseText(turns)};
   if (turns.other_share > kOthers)
     return {
         Confidence::kLow,
@@ -490,6 +500,7 @@ Verdict LocalMapVerdict(const Blob& result) {
     verdict.numbers.emplace_back("walls_turn_scale", turns.turn_scale);
     verdict.numbers.emplace_back("walls_turns_rms_rad", turns.rms_rad);
     verdict.numbers.emplace_back("walls_turns_alike", turns.alike);
+    AddCount("walls_turns_places", turns.places, &verdict);
     const Doubt doubt = OfWalls(turns);
     verdict.trust = std::min(verdict.trust, doubt.at_most);
     if (!doubt.text.empty() && verdict.why.find(doubt.text) == std::string::npos)

@@ -92,6 +92,28 @@ double RobustSd(std::vector<double> values) {
   return 1.4826 * *middle;
 }
 
+// Stretches of windows that stand out from the rest, to one side each.
+void CountPlaces(std::vector<double> left, WallTurns* turns) {
+  constexpr double kLeast_rad = 5 * std::numbers::pi / 180, kSds = 4;
+  if (left.empty()) return;
+  std::vector<double> sorted = left;
+  std::ranges::sort(sorted);
+  for (double& turn : left) turn -= sorted[sorted.size() / 2];  // a mean would have the places in it
+  const double least_rad = std::max(kLeast_rad, kSds * RobustSd(left));
+  std::vector<double> most_rad;  // of each place
+  double before = 0;
+  for (const double turn : left) {
+    const double now = std::abs(turn) > least_rad ? turn : 0;
+    if (now != 0 && now * before <= 0) most_rad.push_back(0);
+    if (now != 0) most_rad.back() = std::max(most_rad.back(), std::abs(now));
+    before = now;
+  }
+  turns->places = most_rad.size();
+  if (most_rad.empty()) return;
+  std::ranges::sort(most_rad);
+  turns->place_rad = most_rad[most_rad.size() / 2];
+}
+
 // Of all pairs of passes of about one place, that go the same way or come back.
 void Compare(const std::vector<TurnNode>& nodes, const std::vector<double>& left, WallTurns* turns) {
   constexpr double kPlace_m = 0.8, kApart_m = 8, kParallel = 0.8;
@@ -139,7 +161,9 @@ WallTurns FindWallTurns(const kinds::LocalMap::Robot& robot) {
   for (const double turn : left) squares += turn * turn;
   turns.rms_rad = std::sqrt(squares / static_cast<double>(left.size()));
   turns.sd_rad = RobustSd(left);
-  Compare(nodes, Left(nodes, Fit(nodes, false)), &turns);
+  const std::vector<double> unscaled = Left(nodes, Fit(nodes, false));
+  CountPlaces(unscaled, &turns);
+  Compare(nodes, unscaled, &turns);
   double others = 0;
   for (const std::uint8_t other : robot.walls.other_area.OrNone()) others += other;
   turns.other_share = others / static_cast<double>(robot.walls.other_area.OrNone().size());

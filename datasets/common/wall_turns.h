@@ -15,6 +15,10 @@ struct WallTurns {
   double turn_scale = 0;  // what odometry would make too much of its turns
   // Turns less that share of odometry's: root mean square, and what most are within (1.48 medians).
   double rms_rad = 0, sd_rad = 0;
+  // Where turns, none taken off for odometry's scale, stand out from the rest, counted at each pass; half of
+  // them are off by more than this.
+  std::size_t places = 0;
+  double place_rad = 0;
   // Pairs of two passes of one place in one direction or the other; how alike both turn against odometry
   // there: their correlation, and its root in radians.
   std::size_t pairs = 0;

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "datasets/common/verdict.h"
@@ -81,6 +83,40 @@ TEST(FindWallTurns, CornersThatAreNotRightAnglesShow) {
   const WallTurns little = FindWallTurns(Rounds{.bend_rad = 10 * kDegree, .one_corner = true}.Make());
   EXPECT_GT(little.alike, 0.5);
   EXPECT_GT(little.alike_rad, 1 * kDegree);
+}
+
+// One corner of three rounds, and all of them.
+TEST(FindWallTurns, PlacesAreCountedAtEachPass) {
+  EXPECT_EQ(FindWallTurns(Rounds{}.Make()).places, 0U);
+  const WallTurns one = FindWallTurns(Rounds{.bend_rad = 30 * kDegree, .one_corner = true}.Make());
+  EXPECT_EQ(one.places, 3U);
+  EXPECT_NEAR(one.place_rad, 30 * kDegree, 3 * kDegree);
+  const WallTurns all = FindWallTurns(Rounds{.bend_rad = 30 * kDegree}.Make());
+  EXPECT_EQ(all.places, 11U);  // the last corner has no window after it
+  EXPECT_NEAR(all.place_rad, 30 * kDegree, 5 * kDegree);
+}
+
+// Of a map whose path closes a hundred loops.
+std::string VerdictOf(const Rounds& rounds) {
+  kinds::LocalMap map;
+  map.robots = std::vector<std::string>{"robot"};
+  map.robot = {rounds.Make()};
+  map.traces.robot = std::vector<std::int32_t>{0};
+  map.connections.from = map.connections.to = std::vector<std::int32_t>(100, 0);
+  map.connections.kind = std::vector<std::int32_t>(100, 2);
+  map.connections.from_s = std::vector<double>(100, 0);
+  map.connections.to_s = std::vector<double>(100, map.robot[0].walls.time_s.vector().back());
+  map.connections.used = std::vector<std::uint8_t>(100, 1);
+  return LocalMapVerdict(BlobOf(map)).Text();
+}
+
+TEST(LocalMapVerdict, WallsThatDoNotStandAtRightAnglesAreNamed) {
+  EXPECT_EQ(VerdictOf({}), "high: the path closes all of 100 loops");
+  EXPECT_EQ(VerdictOf({.bend_rad = 30 * kDegree, .walk_rad = 0.002, .one_corner = true}),
+            "low: the path closes all of 100 loops; walls were taken to stand at right angles, but 3 times "
+            "odometry turns by 30 degrees otherwise");
+  EXPECT_TRUE(VerdictOf({.bend_rad = 30 * kDegree}).starts_with("low: "));
+  EXPECT_TRUE(VerdictOf({.bend_rad = 10 * kDegree, .one_corner = true}).starts_with("low: "));
 }
 
 // An error of odometry comes once, and not again where the robot passes the place again.
