@@ -7,6 +7,7 @@
 
 #include "pipelines/local_map/testing/corridor.h"
 #include "pipelines/testing/in_process.h"
+#include "schema/kinds/local_map.h"
 
 namespace cairn::local_map {
 namespace {
@@ -94,6 +95,26 @@ TEST(LocalMap, FindsLoopsAndThePath) {
   EXPECT_GT(loops, 20);
   EXPECT_GT(map->at("robot/0/positions/time_s").size(), 200);
   EXPECT_EQ(map->at("robot/0/cuts/time_s").size(), 0);
+}
+
+// Walls beside the way tell how far off they are, and only corners how far along it the robot is.
+TEST(LocalMap, LoopsSayWhichDistancesTheyTell) {
+  const BlobPtr map = Map(RoomLog(3));
+  const auto connections = Read<kinds::LocalMap>(*map).connections;
+  const auto direction_rad = map->Get<double>("traces/direction_rad");
+  int loops = 0, along = 0, across = 0;
+  for (std::size_t k = 0; k < connections.kind.vector().size(); ++k) {
+    if (connections.kind[k] != 2) continue;
+    const auto trace = static_cast<std::size_t>(connections.from[k]);
+    const bool is_x = std::abs(std::cos(direction_rad[trace])) > 0.5;
+    const bool x = connections.tells_x[k] != 0, y = connections.tells_y[k] != 0;
+    EXPECT_TRUE(x || y) << k;
+    ++loops;
+    along += is_x ? x : y;
+    across += is_x ? y : x;
+  }
+  EXPECT_LT(along, loops);
+  EXPECT_GT(across, along);
 }
 
 TEST(LocalMap, EveryArrayOfATableIsAsLongAsTheOthers) {
