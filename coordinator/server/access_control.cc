@@ -62,10 +62,10 @@ std::optional<wire::Refusal> AccessControl::CheckIdentity(const std::string& pee
   const wire::Hello& hello = envelope.hello();
   std::erase_if(workers_, [&](const auto& entry) { return !fleet.Knows(entry.first); });
   for (const auto& [other, worker] : workers_)
-    if (worker.host == hello.host() && worker.pid == hello.pid() && worker.user != user)
+    if (hello.process() != 0 && worker.process == hello.process() && worker.user != user)
       return wire::Refusal{wire::RefusalKind::kIdentity, "worker " + std::to_string(hello.pid()) + " on " +
                                                              hello.host() + " is connected with another key"};
-  workers_[peer] = {user, hello.host(), hello.pid()};
+  workers_[peer] = {user, hello.process()};
   return std::nullopt;
 }
 

@@ -35,8 +35,8 @@ class AccessControl {
  private:
   struct Bound {
     std::string user;
-    std::string host;
-    std::int64_t pid = 0;
+    std::uint64_t process =
+        0;  // Hello.process: a host's name and a process id two workers may have in common
   };
   std::optional<wire::Refusal> CheckIdentity(const std::string& peer, const std::string& user,
                                              const wire::Envelope& envelope, const Fleet& fleet);

@@ -48,9 +48,9 @@ class Rights : public ::testing::Test {
     EXPECT_EQ(answer.refuse().reason().find(user), std::string::npos) << "the whole key is shown";
   }
   std::uint64_t Count(RefusalKind kind) const { return fixture_.server->refusals().count(kind); }
-  void Join(const std::string& peer, const std::string& user, std::int64_t pid) {
+  void Join(const std::string& peer, const std::string& user, std::uint64_t process) {
     fixture_.transport.users[peer] = user;
-    fixture_.transport.ComeWorker(peer, user, pid);
+    fixture_.transport.ComeWorker(peer, user, 1, process);  // in a container each has the same process id
   }
   bool Connected(const std::string& peer) const { return fixture_.server->core().fleet().Knows(peer); }
   wire::Message Query(const std::string& action, const std::string& job = "a") {
@@ -181,7 +181,7 @@ TEST_F(Rights, AnotherKeyMayNotUseAWorkersConnectionOrClaimToBeIt) {
   done.envelope.mutable_done();
   fixture_.transport.Come("w", done, other_);
   fixture_.Until([&] { return Count(RefusalKind::kIdentity) == 1; });
-  Join("x", other_, 1);  // the same host and process
+  Join("x", other_, 1);  // the same process
   fixture_.Until([&] { return Count(RefusalKind::kIdentity) == 2; });
   EXPECT_FALSE(Connected("x"));
   EXPECT_TRUE(Connected("w"));

@@ -116,7 +116,7 @@ WeakestTime FindWeakestTime(const std::vector<Span>& spans) {
 // Of those that tell the distance along that axis which fewer tell.
 WeakestTime FindWeakestAxis(const std::vector<Tie>& ties) {
   WeakestTime weakest{0, ties.size()};
-  for (const bool Tie::*axis : {&Tie::x, &Tie::y}) {
+  for (const bool Tie::* axis : {&Tie::x, &Tie::y}) {
     std::vector<Span> spans;
     for (const Tie& tie : ties)
       if (tie.*axis) spans.push_back(tie.span);
@@ -196,7 +196,7 @@ struct FurthestScale {
   double scale = 1;
 };
 
-FurthestScale FindFurthest(const kinds::LandmarkMap& map, Column<double> kinds::LandmarkMap::Robot::*scale,
+FurthestScale FindFurthest(const kinds::LandmarkMap& map, Column<double> kinds::LandmarkMap::Robot::* scale,
                            const char* name, Verdict* verdict) {
   FurthestScale furthest;
   bool any = false;

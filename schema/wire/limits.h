@@ -23,6 +23,7 @@ struct ConnectionLimits {
   double handshake_burst = 1000;   // … beyond so many at once
   int first_word_ms = 10'000;      // with keys: whoever has said nothing by then is turned away
   std::size_t first_word_bytes = std::size_t{4} << 20;  // with keys: nothing longer is a first word
+  std::size_t client_bytes = std::size_t{64} << 20;     // with keys: unread of who is no worker
   std::size_t spare_files = 128;                        // descriptors that are kept for everything else
   std::size_t unread_bytes = std::size_t{8} << 30;  // that came over one connection and were not taken yet
   std::size_t unsent_bytes = std::size_t{1} << 30;  // that wait to go out over one connection, or one message

@@ -93,9 +93,25 @@ void RouterSocket::Impl::Remember(const std::string& peer, int fd) {
   descriptors[peer] = fd;
 }
 
+// Messages outlive the connection that they came over, and its descriptor is another's by then. ZeroMQ knows:
+// it begins no message to a peer that is gone. One that it begins is ended after its connection is shut down,
+// and goes nowhere.
+void RouterSocket::Impl::ShutDown(const std::string& peer, int fd) {
+  (void)socket.get(zmq::sockopt::events);  // it learns here what has ended
+  zmq::message_t name(peer.data(), peer.size());
+  bool begun = false;
+  try {
+    begun = socket.send(name, zmq::send_flags::sndmore | zmq::send_flags::dontwait).has_value();
+  } catch (const zmq::error_t& error) {
+    if (error.num() == EHOSTUNREACH) return;
+    throw;
+  }
+  ShutDownConnection(fd, endpoint);
+  if (begun) (void)socket.send(zmq::message_t(), zmq::send_flags::dontwait);
+}
+
 void RouterSocket::Impl::Drop(const std::string& peer) {
-  if (const auto fd = descriptors.find(peer); fd != descriptors.end())
-    ShutDownConnection(fd->second, endpoint);
+  if (const auto fd = descriptors.find(peer); fd != descriptors.end()) ShutDown(peer, fd->second);
   if (!dropped.insert(peer).second) return;
   drop_order.push_back(peer);
   if (drop_order.size() <= kDroppedPeersKept) return;

@@ -29,6 +29,7 @@ struct RouterSocket::Impl {
   Received Receive(std::vector<zmq::message_t> frames);
   void Remember(const std::string& peer, int fd);
   void Drop(const std::string& peer);
+  void ShutDown(const std::string& peer, int fd);
   UnsentBytes UnsentTo(const std::string& peer);
 };
 

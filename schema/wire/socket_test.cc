@@ -309,6 +309,33 @@ TEST(Socket, ADroppedPeersConnectionIsClosed) {
   ASSERT_TRUE(good && good->status.ok());
 }
 
+// Its messages outlive it, and whoever connects next has the descriptor that it had.
+TEST(Socket, DroppingAPeerThatIsGoneClosesNobodyElsesConnection) {
+  PrivateFolder folder;
+  Context context;
+  RouterSocket router = RouterSocket::Bind(context, folder.Ipc("s"), {}, Quick()).value();
+  std::string gone;
+  {
+    DealerSocket first = DealerSocket::Connect(context, folder.Ipc("s"), {}, Quick()).value();
+    ASSERT_EQ(AwaitEvent(first), LinkEvent::kConnected);
+    ASSERT_TRUE(first.Send(HelloMessage("first")).ok());
+    const std::optional<Received> hello = AwaitMessage(router);
+    ASSERT_TRUE(hello);
+    gone = hello->peer;
+  }
+  while (router.connections() > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  DealerSocket second = DealerSocket::Connect(context, folder.Ipc("s"), {}, Quick()).value();
+  ASSERT_EQ(AwaitEvent(second), LinkEvent::kConnected);
+  router.Drop(gone);
+  ASSERT_TRUE(second.Send(HelloMessage("second")).ok());
+  const std::optional<Received> hello = AwaitMessage(router);
+  ASSERT_TRUE(hello);
+  EXPECT_EQ(hello->message.envelope.hello().host(), "second");
+  ASSERT_TRUE(router.Send(hello->peer, HelloMessage("back")).ok());
+  ASSERT_TRUE(AwaitMessage(second));
+  EXPECT_EQ(second.TryEvent(), std::nullopt);
+}
+
 TEST(Socket, AFrameOverTheLimitIsStoppedByTheTransport) {
   PrivateFolder folder;
   Context context;

@@ -306,6 +306,13 @@ void ZapAuthenticator::CloseTheSilent() {
   }
 }
 
+// ZeroMQ takes a few times the memory, of frames that are empty or small.
+std::size_t ZapAuthenticator::MostUnread(Kind kind) const {
+  if (!allow_list_ || kind == Kind::kWorker) return limits_.unread_bytes;
+  return std::min(kind == Kind::kNewcomer ? limits_.first_word_bytes : limits_.client_bytes,
+                  limits_.unread_bytes);
+}
+
 // ZeroMQ hands out whole messages only, and counts those: one that never ends would grow without a limit.
 void ZapAuthenticator::CloseThoseThatPileUp() {
   std::vector<std::pair<int, std::string>> piled;
@@ -315,10 +322,8 @@ void ZapAuthenticator::CloseThoseThatPileUp() {
       if (connection.address.empty()) continue;
       const std::uint64_t came = BytesReceived(fd);
       connection.taken_bytes = std::min(connection.taken_bytes, came);
-      const bool newcomer = allow_list_ && connection.kind == Kind::kNewcomer;
-      const std::size_t most =
-          newcomer ? std::min(limits_.first_word_bytes, limits_.unread_bytes) : limits_.unread_bytes;
-      if (came - connection.taken_bytes > most) piled.emplace_back(fd, connection.address);
+      if (came - connection.taken_bytes > MostUnread(connection.kind))
+        piled.emplace_back(fd, connection.address);
     }
   }
   for (const auto& [fd, address] : piled) {

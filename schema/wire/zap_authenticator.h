@@ -75,6 +75,7 @@ class ZapAuthenticator {
   bool WithinRate(const std::string& address);
   std::size_t MostConnections() const;
   std::string WhyTooMany(const std::string& address);
+  std::size_t MostUnread(Kind kind) const;
   void CloseThoseThatPileUp();
   void CloseTheSilent();
   // With mutex_ held.

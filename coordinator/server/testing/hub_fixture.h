@@ -58,12 +58,14 @@ class FakeTransport : public Transport {
   void ComeDamaged(const std::string& peer, Code code = Code::kCorrupt) {
     queue_.push_back({peer, Status(code, "no message"), {}});
   }
-  void ComeWorker(const std::string& peer, const std::string& user = "", std::int64_t pid = 0) {
+  void ComeWorker(const std::string& peer, const std::string& user = "", std::int64_t pid = 0,
+                  std::uint64_t process = 0) {
     wire::Message hello;
     hello.envelope.mutable_hello()->set_protocol(2);
     hello.envelope.mutable_hello()->set_slots(2);
     hello.envelope.mutable_hello()->set_host("here");
     hello.envelope.mutable_hello()->set_pid(pid);
+    hello.envelope.mutable_hello()->set_process(process);
     Come(peer, std::move(hello), user);
   }
 
