@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "coordinator/server/server.h"
+#include "schema/text.h"
 
 namespace cairn::coordinator {
 

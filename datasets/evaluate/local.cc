@@ -93,21 +93,25 @@ void AddErrors(const std::vector<PosePair>& pairs, const Similarity& alignment, 
   }
 }
 
-double HeadingRmseDeg(const std::vector<PosePair>& pairs, const Similarity& alignment) {
+double HeadingSquares(const std::vector<PosePair>& pairs, const Similarity& alignment) {
   double squares = 0;
   for (const PosePair& pair : pairs) {
     const double off = WrapAngle(alignment(pair.ours).heading_rad - pair.theirs.heading_rad);
     squares += off * off;
   }
-  return std::sqrt(squares / static_cast<double>(pairs.size())) / kErrorDegree_rad;
+  return squares;
 }
 
 void ScorePaths(const std::vector<Robot>& robots, LocalEvaluation* out) {
-  std::vector<PosePair> all;
+  std::size_t count = 0;
+  double heading_squares = 0;
   ErrorSum path, odometry;
   for (const Robot& robot : robots) {
     const std::vector<PosePair> pairs = Pairs(robot.estimate, robot.truth);
-    all.insert(all.end(), pairs.begin(), pairs.end());
+    out->alignment.push_back(FitPoses(pairs));
+    AddErrors(pairs, out->alignment.back(), &path);
+    heading_squares += HeadingSquares(pairs, out->alignment.back());
+    count += pairs.size();
     Track reckoned{robot.estimate.time_s, {}};
     for (const double time_s : reckoned.time_s)
       reckoned.poses.push_back(PoseAt(robot.odometry, time_s, HUGE_VAL).value_or(Pose{}));
@@ -117,14 +121,12 @@ void ScorePaths(const std::vector<Robot>& robots, LocalEvaluation* out) {
   std::vector<TrackAndTruth> tracks;
   for (const Robot& robot : robots) tracks.push_back({robot.estimate, robot.truth});
   out->other_clock = FindOtherClock(tracks);
-  if (all.empty())
+  if (count == 0)
     throw InputError("no pose of the result is of a time at which the truth has one" +
                      (out->other_clock ? "; " + out->other_clock->Text() : ""));
-  out->alignment = FitPoses(all);
-  AddErrors(all, out->alignment, &path);
   out->path = path.Error();
   out->odometry = odometry.Error();
-  out->heading_rmse_deg = HeadingRmseDeg(all, out->alignment);
+  out->heading_rmse_deg = std::sqrt(heading_squares / static_cast<double>(count)) / kErrorDegree_rad;
 }
 
 // Where the truth has the traces' frames: x is z, y is u.
@@ -373,9 +375,10 @@ Scores MakeScores(const LocalEvaluation& score) {
   scores.Add("traces", score.trace_count);
   scores.Add("cuts", score.cuts);
   scores.Add("seconds", OrNone(score.seconds));
-  scores.AddForPrograms("alignment.angle_rad", score.alignment.angle_rad);
-  scores.AddForPrograms("alignment.x_m", score.alignment.x_m);
-  scores.AddForPrograms("alignment.y_m", score.alignment.y_m);
+  // Of the first robot; each of the others has one of its own.
+  scores.AddForPrograms("alignment.angle_rad", score.alignment.front().angle_rad);
+  scores.AddForPrograms("alignment.x_m", score.alignment.front().x_m);
+  scores.AddForPrograms("alignment.y_m", score.alignment.front().y_m);
   return scores;
 }
 

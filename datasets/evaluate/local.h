@@ -40,7 +40,7 @@ struct LoopScore {
 };
 
 struct LocalEvaluation {
-  PathError path, odometry;               // after a rigid motion of each: of all robots, of each robot
+  PathError path, odometry;               // after a rigid motion of each robot's: each has a frame of its own
   double heading_rmse_deg = 0;            // of the path
   std::optional<OtherClock> other_clock;  // that the truth may have
   std::optional<PathError> traces;  // the live positions, each in its trace's frame, which the truth places
@@ -49,8 +49,8 @@ struct LocalEvaluation {
   std::optional<WallScore> walls;   // none: no direction was found, or the truth has none
   LoopScore loops;
   std::int64_t trace_count = 0, cuts = 0;
-  std::optional<double> seconds;  // wall time, where the result's provenance tells it
-  Similarity alignment;           // of the path
+  std::optional<double> seconds;      // wall time, where the result's provenance tells it
+  std::vector<Similarity> alignment;  // of each robot's path
 };
 
 // `result`: a `local_map`; `log`: what it was made from, with true poses. A trace's frame lies where the

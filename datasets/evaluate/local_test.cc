@@ -204,5 +204,34 @@ TEST(EvaluateLocal, RefusesWhatDoesNotFit) {
   EXPECT_THROW(EvaluateLocal(log, log), InputError);
 }
 
+// The second robot's path is the first one's, in another frame.
+TEST(EvaluateLocal, EachRobotsPathIsLaidOverItsOwnTruth) {
+  Blob log = Log();
+  Blob result = Result(log);
+  for (Blob* blob : {&log, &result}) {
+    const Blob::Fields fields = blob->fields();
+    for (const auto& [name, array] : fields) {
+      for (const std::string prefix : {"robot/0/", "truth/robot/0/"})
+        if (name.starts_with(prefix))
+          blob->Put(prefix.substr(0, prefix.size() - 2) + "1/" + name.substr(prefix.size()), array);
+    }
+    blob->Put("robots", Array::Texts({"a", "b"}));
+  }
+  std::vector<double> x, y, heading;
+  for (int i = 0; i <= 10; ++i) {
+    x.push_back(100 - i);
+    y.push_back(7);
+    heading.push_back(std::numbers::pi);
+  }
+  result.PutVector("robot/1/poses/x_m", x);
+  result.PutVector("robot/1/poses/y_m", y);
+  result.PutVector("robot/1/poses/heading_rad", heading);
+  result.Put("log_hash", Array::Text(log.Without("truth/").ContentHash().Hex()));
+  const LocalEvaluation evaluation = EvaluateLocal(result, log);
+  EXPECT_NEAR(evaluation.path.rmse_m, 0, 1e-9);
+  EXPECT_NEAR(evaluation.heading_rmse_deg, 0, 1e-6);
+  ASSERT_EQ(evaluation.alignment.size(), 2U);
+}
+
 }  // namespace
 }  // namespace cairn::datasets

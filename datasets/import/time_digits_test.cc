@@ -9,7 +9,10 @@ namespace {
 // Of rows a tenth of a second apart, of which each `rows` have the time of the first.
 std::string DoubtOf(int rows) {
   TimeDigits digits;
-  for (int i = 0; i < 4000; ++i) digits.Add(1.7e9 + 0.1 * (i / rows * rows));
+  for (int i = 0; i < 4000; ++i) {
+    const int first = i / rows * rows;
+    digits.Add(1.7e9 + 0.1 * first);
+  }
   return digits.Doubt();
 }
 

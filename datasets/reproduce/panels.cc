@@ -141,8 +141,9 @@ std::string DrawPanels(const std::vector<PanelPicture>& panels, const Box& box, 
   const double pitch_x = kPanelsLeft + width + kGap, pitch_y = kTitle + height + kTicks;
   Picture picture(columns * pitch_x);
   for (std::size_t i = 0; i < panels.size(); ++i) {
+    const std::size_t in_column = i / static_cast<std::size_t>(columns);
     const auto column = static_cast<double>(i % static_cast<std::size_t>(columns)),
-               row = static_cast<double>(i / static_cast<std::size_t>(columns));
+               row = static_cast<double>(in_column);
     PanelPainter(panels[i], box, {column * pitch_x + kPanelsLeft, row * pitch_y + kTitle, width, height},
                  &picture)
         .Paint();

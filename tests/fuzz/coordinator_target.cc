@@ -36,6 +36,7 @@ class Peers : public coordinator::Transport {
     if (message.envelope.has_reply()) ++replies_;
     return true;
   }
+  std::size_t Unsent(const std::string&) const override { return 0; }
   void Drop(const std::string& peer) override { gone_.insert(peer); }
   std::vector<wire::Refusal> TakeRefusals() override { return {}; }
   void Wake() override {}

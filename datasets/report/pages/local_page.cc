@@ -221,12 +221,14 @@ Scene SceneOf(const Blob& result, const LocalResult& local, const Blob* log,
   if (log == nullptr) return scene;
   scene.odometry_below = OdometryFrom(local, robots, *log);
   if (evaluation == nullptr) return scene;
-  const Similarity to_result = Inverse(evaluation->alignment);
-  if (log->Has("truth/walls/x_m")) {
-    for (const Wall& wall : ReadSegments(*log, "truth/walls/", to_result))
+  // Of one robot: paths of several lie over each other, each in a frame of its own, and no place of the walls
+  // is right.
+  if (log->Has("truth/walls/x_m") && local.paths.size() == 1) {
+    for (const Wall& wall : ReadSegments(*log, "truth/walls/", Inverse(evaluation->alignment.front())))
       scene.truth_walls.emplace_back(wall.a, wall.b);
   }
   for (std::size_t r = 0; r < local.paths.size(); ++r) {
+    const Similarity to_result = Inverse(evaluation->alignment.at(r));
     const Track truth = ReadTrack(*log, "truth/robot/" + std::to_string(r) + "/poses/");
     Path path{.robot = robots[r], .index = r, .points = {}, .breaks = BreaksOf(truth.time_s)};
     for (const Pose& pose : truth.poses) path.points.push_back(to_result(Point{pose.x_m, pose.y_m}));

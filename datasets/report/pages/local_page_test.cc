@@ -101,6 +101,7 @@ TEST(LocalPage, ShowsWhatTheResultHas) {
 TEST(LocalPage, AnEvaluationAddsErrors) {
   const Blob log = Log();
   LocalEvaluation score;
+  score.alignment = {Similarity{}};
   score.path.mean_m = 0.123;
   score.odometry.mean_m = 0.04;
   score.loops.found = 7;

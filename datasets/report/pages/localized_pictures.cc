@@ -194,7 +194,8 @@ Picture MapBeliefs(const LocalizedSteps& localized, const LocalizationScore* sco
   const std::size_t rows = (shown.size() + columns - 1) / columns;
   Picture picture(full_width, static_cast<double>(rows) * pitch, "Belief of one robot on its way");
   for (std::size_t i = 0; i < shown.size(); ++i) {
-    const auto column = static_cast<double>(i % columns), row = static_cast<double>(i / columns);
+    const std::size_t in_column = i / columns;
+    const auto column = static_cast<double>(i % columns), row = static_cast<double>(in_column);
     DrawBelief(localized, score, traverse, traverse.first + shown[i], box,
                {column * (width + kGap), kTitle + row * pitch, width, height}, &picture);
   }
