@@ -323,7 +323,10 @@ TEST(Socket, DroppingAPeerThatIsGoneClosesNobodyElsesConnection) {
     ASSERT_TRUE(hello);
     gone = hello->peer;
   }
-  while (router.connections() > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (router.connections() > 0 && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ASSERT_EQ(router.connections(), 0U);
   DealerSocket second = DealerSocket::Connect(context, folder.Ipc("s"), {}, Quick()).value();
   ASSERT_EQ(AwaitEvent(second), LinkEvent::kConnected);
   router.Drop(gone);
