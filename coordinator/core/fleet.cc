@@ -130,6 +130,15 @@ void Fleet::SetDraining(Worker& worker) {
   Refile(worker, [&] { worker.draining = true; });
 }
 
+void Fleet::DoubtAll() {
+  for (auto& [number, worker] : workers_)
+    if (!worker.doubted) Refile(worker, [&worker] { worker.doubted = true; });
+}
+
+void Fleet::Trust(Worker& worker) {
+  if (worker.doubted) Refile(worker, [&worker] { worker.doubted = false; });
+}
+
 void Fleet::NoteBlob(Worker& worker, const Hash& blob) {
   if (worker.has.insert(blob).second) owners_[blob].insert(worker.number);
 }

@@ -36,11 +36,12 @@ struct Worker {
   double head_s = 0;      // when the first assigned came to be the first
   bool hung = false;      // gets nothing until it moves again
   bool draining = false;  // gets nothing any more, and leaves
+  bool doubted = false;   // another was lost since this one was last heard of: it may be gone, too
   std::vector<AssignedTask> assigned;
   HashSet has;  // blobs that it was sent or made; it may have forgotten some
 
   bool Able() const { return !hung && !draining; }
-  bool HasRoom() const { return assigned.size() < hello.slots() && Able(); }
+  bool HasRoom() const { return assigned.size() < hello.slots() && Able() && !doubted; }
   const AssignedTask* Find(const wire::TaskKey& key) const;
   // Ticks of what it is assigned. True where one moved.
   bool Tick(const wire::TaskKey& key, std::uint64_t ticks, double now_s);
@@ -69,6 +70,10 @@ class Fleet {
   bool Take(Worker& worker, const wire::TaskKey& key, double now_s);
   void SetHung(Worker& worker, bool hung);
   void SetDraining(Worker& worker);
+  // Where a network fails it is not one worker that is lost: until each was heard of again it gets nothing,
+  // or one task would be lost with one worker after the other.
+  void DoubtAll();
+  void Trust(Worker& worker);
   void NoteBlob(Worker& worker, const Hash& blob);  // it was sent it, or made it
   void Forget(const std::vector<Hash>& dropped);
 

@@ -68,6 +68,37 @@ TEST(CoreLost, OneThatWasSilentAndIsHeardOfAgainIsNotBlamed) {
   EXPECT_EQ(fixture.Info().state(), "running");
 }
 
+// A switch that starts anew, a partition: all connections are gone, one a moment after the other.
+TEST(CoreLost, ANetworkThatFailsForAMomentFailsNoJob) {
+  for (const bool silent : {false, true}) {
+    CoreFixture fixture;
+    BeginLost(fixture);
+    for (std::uint64_t i = 1; i < 5; ++i) {
+      fixture.Join(Connection(static_cast<int>(i)), 1, "1", 7 + i);
+      if (silent) fixture.Advance(0.2);
+    }
+    for (int i = 0; i < 5 && !silent; ++i) fixture.Do(WorkerLost{Connection(i)});
+    for (int i = 0; i < 250 && silent; ++i) fixture.Advance(0.05);
+    EXPECT_EQ(fixture.core.fleet().size(), 0u);
+    EXPECT_EQ(fixture.Info().state(), "running") << fixture.Info().reason();
+    EXPECT_EQ(fixture.core.FindJob("a")->tasks.task(0).failures, 1);
+    for (std::uint64_t i = 0; i < 5; ++i) fixture.Join(Connection(static_cast<int>(10 + i)), 1, "1", 7 + i);
+    EXPECT_EQ(fixture.core.FindJob("a")->tasks.task(0).failures, 0);
+  }
+}
+
+// One that is heard of again is there, and gets what was lost.
+TEST(CoreLost, WhatWasLostGoesToWhomIsHeardOfSince) {
+  CoreFixture fixture;
+  BeginLost(fixture);
+  fixture.Join("another", 1, "1", 8);
+  fixture.assigned.clear();
+  fixture.Do(WorkerLost{Connection(0)});
+  EXPECT_TRUE(fixture.assigned.empty());
+  fixture.Heartbeat("another");
+  EXPECT_EQ(fixture.Next().peer, "another");
+}
+
 // A supervisor starts the process again: on the same host, perhaps with the same process id.
 TEST(CoreLost, ATaskThatEndsItsWorkersProcessStillFailsTheJobTheThirdTime) {
   for (const bool ended : {false, true}) {

@@ -73,6 +73,7 @@ Worker* Core::Heard(const std::string& peer) {
   Worker* worker = fleet_.Find(peer);
   if (worker != nullptr) {
     worker->heard_s = now_s_;
+    fleet_.Trust(*worker);
     return worker;
   }
   Send send{peer, {}};
@@ -127,8 +128,10 @@ void Core::On(const WorkerLost& event) {
   if (worker == nullptr) return;
   const std::string what = WorkerName(worker->hello) + (event.ended ? " died" : " lost its connection");
   SayMoved(Report::kWarning, what);
+  const bool may_be_the_network = !event.ended && !worker->assigned.empty();
   if (!event.ended) NoteLost(*worker);
   Lose(*worker, what, what + " while it ran");
+  if (may_be_the_network) fleet_.DoubtAll();
 }
 
 void Core::On(const DrainWorker& event) {
@@ -232,6 +235,7 @@ void Core::On(const Tick&) {
     NoteLost(worker);
     Lose(worker, what, what);
   }
+  if (!silent.empty()) fleet_.DoubtAll();
   for (const auto& [peer, why] : given_up) GiveUp(*fleet_.Find(peer), why);
   if (options_.keep_s > 0) DeleteTheOld();
 }

@@ -100,6 +100,7 @@ TEST(CoreWorkers, ATaskGoesElsewhereWhenTheLeaseExpires) {
   fixture.Heartbeat("x");
   EXPECT_TRUE(fixture.assigned.empty());
   fixture.Pass(2);
+  fixture.Heartbeat("x");
   const auto again = fixture.Next();
   EXPECT_EQ(again.peer, "x");
   EXPECT_EQ(again.assign.key().task(), lost.assign.key().task());

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
+#include <cstring>
 #include <optional>
 #include <set>
 #include <span>
@@ -115,6 +117,7 @@ class Run {
   std::string WhatIsWrongWithResults() const;
   wire::SharedMemory ShareInputs() const;
   void KillTheLost(WorkerPool& workers);
+  void SayHowItDied(const WorkerPool::Death& death) const;
   void Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgress&)>& on_progress,
             const std::atomic<bool>& stop);
   EmbeddedResult Outcome() const;
@@ -308,6 +311,15 @@ void Run::KillTheLost(WorkerPool& workers) {
     if (Now() - seen_s > kLost_s) workers.Kill(pid);
 }
 
+// The hub may have known it by its connection first, which does not tell how.
+void Run::SayHowItDied(const WorkerPool::Death& death) const {
+  if (death.signal == 0) return;
+  options_.log(Severity::kWarning,
+               "worker process " + std::to_string(death.pid) + " died of signal " +
+                   std::to_string(death.signal) + " (" + ::strsignal(death.signal) + ")" +
+                   (death.signal == SIGKILL ? ": where nobody killed it, memory ran out" : ""));
+}
+
 void Run::Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgress&)>& on_progress,
                const std::atomic<bool>& stop) {
   double told_s = 0;
@@ -323,6 +335,7 @@ void Run::Loop(WorkerPool& workers, const std::function<void(const EmbeddedProgr
     for (const WorkerPool::Death& death : workers.Reap()) {
       seen_s_.erase(death.pid);
       server_->TellDead(death.pid);
+      SayHowItDied(death);
       // Whom nobody here has refused (its connection broke at a bad moment) may fare better the next time.
       if (death.refused && !server_->last_refusal().empty()) trouble_ = Refused();
     }

@@ -71,7 +71,7 @@ std::vector<WorkerPool::Death> WorkerPool::Reap() {
     int status = 0;
     if (place.pid == 0 || ::waitpid(place.pid, &status, WNOHANG) != place.pid) continue;
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    deaths.push_back({place.pid, code == kExitRefused});
+    deaths.push_back({place.pid, code == kExitRefused, WIFSIGNALED(status) ? WTERMSIG(status) : 0});
     place.pid = 0;
     if (code == kExitCannotExec || place.restarts >= options_.restarts) continue;
     ++place.restarts;

@@ -35,6 +35,7 @@ class WorkerPool {
   struct Death {
     std::int64_t pid = 0;
     bool refused = false;  // it says that it was, or that it cannot connect
+    int signal = 0;        // that ended it; 0: none did
   };
   // Those that have died since the last call; they were started again while their turns last.
   std::vector<Death> Reap();

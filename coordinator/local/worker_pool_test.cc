@@ -2,19 +2,22 @@
 
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "coordinator/local/private_folder.h"
 
 namespace cairn::coordinator {
 namespace {
 
-// A worker that ends at once with the exit code of the refused.
-std::string RefusedWorker(const std::filesystem::path& folder) {
+// A worker whose whole program is one line of shell.
+std::string WorkerThat(const std::filesystem::path& folder, const std::string& line) {
   const std::filesystem::path program = folder / "worker";
-  std::ofstream(program) << "#!/bin/sh\nexit 2\n";
+  std::ofstream(program) << "#!/bin/sh\n" << line << "\n";
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);
   return program.string();
 }
@@ -23,7 +26,7 @@ TEST(WorkerPool, StartsWhoSaysItWasRefusedAgainWhileItsTurnsLast) {
   const Result<PrivateFolder> made = PrivateFolder::Make();
   ASSERT_TRUE(made.ok()) << made.status().message();
   const PrivateFolder& folder = made.value();
-  WorkerPool pool({RefusedWorker(folder.path()), "ipc:///none", 1, 2, folder.path() / "log"});
+  WorkerPool pool({WorkerThat(folder.path(), "exit 2"), "ipc:///none", 1, 2, folder.path() / "log"});
   ASSERT_TRUE(pool.Start().ok());
   int deaths = 0;
   while (!pool.AllGone()) {
@@ -34,6 +37,22 @@ TEST(WorkerPool, StartsWhoSaysItWasRefusedAgainWhileItsTurnsLast) {
     std::this_thread::yield();
   }
   EXPECT_EQ(deaths, 3);
+}
+
+TEST(WorkerPool, TellsOfWhichSignalAWorkerDied) {
+  const Result<PrivateFolder> made = PrivateFolder::Make();
+  ASSERT_TRUE(made.ok()) << made.status().message();
+  const PrivateFolder& folder = made.value();
+  WorkerPool pool({WorkerThat(folder.path(), "kill -9 $$"), "ipc:///none", 1, 0, folder.path() / "log"});
+  ASSERT_TRUE(pool.Start().ok());
+  std::vector<WorkerPool::Death> deaths;
+  while (deaths.empty()) {
+    deaths = pool.Reap();
+    std::this_thread::yield();
+  }
+  ASSERT_EQ(deaths.size(), 1u);
+  EXPECT_EQ(deaths[0].signal, SIGKILL);
+  EXPECT_FALSE(deaths[0].refused);
 }
 
 }  // namespace

@@ -83,15 +83,19 @@ Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
 }
 
 Result<StoreFolder> StoreFolder::OpenAsItIs(const fs::path& dir) {
-  if (IsForeign(dir))
-    return Status(Code::kCorrupt, dir.string() + " holds files of something else, and no store");
+  const Status foreign(Code::kCorrupt, dir.string() + " holds files of something else, and no store");
   const fs::path lock_file = dir / "lock";
-  const int lock = ::open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  // What looks foreign and is locked may be a store that another process is making. Where it is foreign no
+  // lock is left.
+  const int create = IsForeign(dir) ? 0 : O_CREAT;
+  const int lock = ::open(lock_file.c_str(), O_RDWR | create | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (lock < 0 && errno == ENOENT && create == 0) return foreign;
   if (lock < 0 && errno == ELOOP) return ALink(lock_file);
   if (lock < 0) return SystemFailure(lock_file, "open", errno);
   StoreFolder folder(dir, lock);
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0)
     return Status(Code::kBusy, dir.string() + " is in use by another cairn process");
+  if (IsForeign(dir)) return foreign;
   if (Status status = RefuseLinks(dir); !status.ok()) return status;
   if (Status status = folder.CheckVersion(); !status.ok()) return status;
   return folder;

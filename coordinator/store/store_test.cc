@@ -155,6 +155,15 @@ TEST(StoreFolder, AFolderThatHoldsSomethingElseIsRefusedAndNotTouched) {
   EXPECT_FALSE(fs::exists(folder / "lock"));
 }
 
+// A moment after the first of two began, which has its lock and some of its folders but no version yet.
+TEST(StoreFolder, OneThatAnotherProcessIsMakingIsInUse) {
+  TempFolder temp;
+  const auto first = StoreFolder::Open(temp.path() / "s");
+  ASSERT_TRUE(first.ok());
+  fs::remove(first.value().VersionFile());
+  EXPECT_EQ(StoreFolder::Open(temp.path() / "s").status().code(), Code::kBusy);
+}
+
 // In a container it may have the number that the one before had.
 TEST(StoreFolder, OneThatAProcessWithThisNumberBeganIsNoForeignFolder) {
   TempFolder temp;

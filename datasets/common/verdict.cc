@@ -153,20 +153,19 @@ Doubt OfMisfits(const kinds::LandmarkMap::Fit& fit) {
 }
 
 // Widths estimated from the residuals that are far from what was stated of a sensor. Where nothing names the
-// landmarks, and most starts led elsewhere, too, the map may explain each of them by a landmark of its own.
-Doubt OfWidths(const kinds::LandmarkMap& map) {
+// landmarks the map may explain each of them by a landmark of its own.
+Doubt OfWidths(const kinds::LandmarkMap::Fit& fit) {
   constexpr double kWider = 1.5, kMuchWider = 3;
-  const kinds::LandmarkMap::Fit& fit = map.fit;
   double wider = 0;
   for (std::size_t k = 0; k < fit.kind.OrNone().size(); ++k)
     if ((fit.kind[k] == "range" || fit.kind[k] == "bearing") && fit.stated[k] > 0)
       wider = std::max(wider, fit.found[k] / fit.stated[k]);
   if (wider <= kWider) return {Confidence::kHigh};
-  const std::string text =
-      fmt::format("ranges or bearings err by {:.1f} times what is stated, or was expected", wider);
-  if (map.search.support && 2 * map.search.support.Scalar() < map.search.starts.Or(0))
-    return {Confidence::kLow, text + ", and most starts led to another map: is the sensor's mount right?"};
-  return {AtMost(wider, kWider, kMuchWider), text};
+  return {
+      AtMost(wider, kWider, kMuchWider),
+      fmt::format("ranges or bearings err by {:.1f} times what is stated, or was expected: is the sensor's "
+                  "mount right?",
+                  wider)};
 }
 
 Doubt OfRun(const kinds::LandmarkMap::Fit& fit) {
@@ -251,6 +250,14 @@ Doubt OfTurns(const kinds::LandmarkMap& map, Verdict* verdict) {
       fmt::format("{} has turned {:.2f} times as far by its observations as by its odometry", robot, scale)};
 }
 
+// Without names only their own agreement tells maps apart: a sensor that errs more than it should, or a path
+// that breaks, weighs more where most starts led to another map.
+Doubt WhereStartsDisagree(const kinds::LandmarkMap& map, Doubt doubt) {
+  const bool disagree = map.search.support && 2 * map.search.support.Scalar() < map.search.starts.Or(0);
+  if (doubt.text.empty() || !disagree) return doubt;
+  return {Confidence::kLow, doubt.text + "; most starts led to another map"};
+}
+
 // Of landmarks that observations name there is no search: the fit of the least squares is what the verdict
 // rests on. Else it may lower what the search says.
 void JudgeFit(const kinds::LandmarkMap& map, double explained_share, Verdict* verdict) {
@@ -272,8 +279,9 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, Verdict* ve
   const std::string fitted = fmt::format("{} observations fit the map", observations - misfits);
   verdict->why = named ? fitted : verdict->why + "; " + fitted;
   for (const Doubt& doubt :
-       {OfMisfits(fit), OfWidths(map), OfRun(fit), OfJumps(fit), OfDistances(map, verdict),
-        OfTurns(map, verdict), OfRangeOffsets(map, verdict)}) {
+       {OfMisfits(fit), WhereStartsDisagree(map, OfWidths(fit)), WhereStartsDisagree(map, OfRun(fit)),
+        WhereStartsDisagree(map, OfJumps(fit)), OfDistances(map, verdict), OfTurns(map, verdict),
+        OfRangeOffsets(map, verdict)}) {
     verdict->trust = std::min(verdict->trust, doubt.at_most);
     if (!doubt.text.empty()) verdict->why += "; " + doubt.text;
   }

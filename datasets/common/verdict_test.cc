@@ -241,7 +241,13 @@ TEST(LandmarkMapVerdict, OfLandmarksWithoutNamesAtADistanceTheSearchAndTheFitTel
   EXPECT_EQ(searched(7, 57.25, FittedMap(200, 0, 0, 0, 4, 0.2)).trust, Confidence::kFair);
   const Verdict few = searched(5, 57.25, FittedMap(200, 0, 0, 0, 4, 0.2));
   EXPECT_EQ(few.trust, Confidence::kLow) << "of 12 starts, and ranges err twice as much";
-  EXPECT_NE(few.why.find("and most starts led to another map"), std::string::npos) << few.why;
+  EXPECT_NE(few.why.find("; most starts led to another map"), std::string::npos) << few.why;
+  const Verdict carried = searched(5, 57.25, FittedMap(200, 0, 0, 1));
+  EXPECT_EQ(carried.trust, Confidence::kLow) << "of 12 starts, and the path breaks";
+  EXPECT_NE(carried.why.find("was it carried?; most starts led to another map"), std::string::npos)
+      << carried.why;
+  EXPECT_EQ(searched(5, 57.25, FittedMap(200, 6, 6, 0)).trust, Confidence::kLow);
+  EXPECT_EQ(searched(7, 57.25, FittedMap(200, 0, 0, 1)).trust, Confidence::kFair);
 }
 
 TEST(LandmarkMapVerdict, OfNamedLandmarksTheFitTells) {

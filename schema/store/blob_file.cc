@@ -1,12 +1,14 @@
 #include "schema/store/blob_file.h"
 
 #include <sys/file.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <limits>
 #include <mutex>
+#include <utility>
 
 #include "schema/store/atomic_file.h"
 #include "schema/store/checked_file.h"
@@ -45,6 +47,7 @@ struct File {
   Handle handle;
   std::int64_t format = 0;
   std::string kind;
+  bool replaced = false;  // another file took the name between the two openings
 };
 
 Handle OpenForReading(const std::filesystem::path& path) {
@@ -53,6 +56,15 @@ Handle OpenForReading(const std::filesystem::path& path) {
   // who holds one writes in place, and is waited for.
   H5Pset_file_locking(access.get(), true, true);
   return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose};
+}
+
+// HDF5 opens a path, not a descriptor.
+bool IsSameFile(const Handle& file, const RegularFile& bytes) {
+  void* descriptor = nullptr;
+  struct stat hdf5{}, checked{};
+  return H5Fget_vfd_handle(file.get(), H5P_DEFAULT, &descriptor) >= 0 &&
+         ::fstat(*static_cast<int*>(descriptor), &hdf5) == 0 && ::fstat(bytes.descriptor(), &checked) == 0 &&
+         hdf5.st_dev == checked.st_dev && hdf5.st_ino == checked.st_ino;
 }
 
 bool IsLocked(int fd) {
@@ -71,9 +83,31 @@ Result<File> Open(const std::filesystem::path& path, const RegularFile& bytes) {
     return Status(Code::kBusy, path.string() + ": locked by a program that writes to it");
   if (!file.handle.ok())
     return Status(Code::kCorrupt, path.string() + ": damaged: " + store::LastCause().text);
+  file.replaced = !IsSameFile(file.handle, bytes);
+  if (file.replaced) return file;
   status = store::ReadRoot(file.handle.get(), &file.format, &file.kind);
   if (!status.ok()) return Named(path.string(), status);
   return file;
+}
+
+constexpr int kMostTries = 100;
+
+Status IsReplacedAllTheTime(const std::filesystem::path& path) {
+  return {Code::kBusy, path.string() + ": other files take its name all the time"};
+}
+
+// `read` of the file and its bytes.
+template <class Read>
+auto WithFile(const std::filesystem::path& path, const Read& read)
+    -> decltype(read(std::declval<const File&>(), std::declval<const RegularFile&>())) {
+  for (int i = 0; i < kMostTries; ++i) {
+    const Result<RegularFile> bytes = RegularFile::Open(path);
+    if (!bytes.ok()) return bytes.status();
+    const Result<File> file = Open(path, bytes.value());
+    if (!file.ok()) return file.status();
+    if (!file.value().replaced) return read(file.value(), bytes.value());
+  }
+  return IsReplacedAllTheTime(path);
 }
 
 bool Wanted(const std::string& name, const ReadOptions& options) {
@@ -136,37 +170,31 @@ Result<BlobFile> AsBlobFile(Result<FileContents> contents) {
 
 Result<FileContents> store::ReadChecked(const std::filesystem::path& path, const ReadOptions& options) {
   const store::QuietErrors quiet;
-  const Result<RegularFile> bytes = RegularFile::Open(path);
-  if (!bytes.ok()) return bytes.status();
-  const Result<File> file = Open(path, bytes.value());
-  if (!file.ok()) return file.status();
-  Result<FileContents> contents =
-      ReadAll(file.value(), path.string(), options, store::MostUnpacked(bytes.value().size()));
-  if (!contents.ok()) return contents;
-  if (Status texts = CheckTexts(contents.value().blob); !texts.ok()) return Named(path.string(), texts);
-  bool& changed = contents.value().changed;
-  if (Status trailer = CheckTrailerOf(file.value(), bytes.value(), path.string(), &changed); !trailer.ok())
-    return trailer;
-  if (changed && !options.changed_too)
-    return Status(Code::kCorrupt, path.string() +
-                                      ": another program has changed it since Cairn wrote it (its "
-                                      "checksum trailer is gone)");
-  return contents;
+  return WithFile(path, [&](const File& file, const RegularFile& bytes) -> Result<FileContents> {
+    Result<FileContents> contents = ReadAll(file, path.string(), options, store::MostUnpacked(bytes.size()));
+    if (!contents.ok()) return contents;
+    if (Status texts = CheckTexts(contents.value().blob); !texts.ok()) return Named(path.string(), texts);
+    bool& changed = contents.value().changed;
+    if (Status trailer = CheckTrailerOf(file, bytes, path.string(), &changed); !trailer.ok()) return trailer;
+    if (changed && !options.changed_too)
+      return Status(Code::kCorrupt, path.string() +
+                                        ": another program has changed it since Cairn wrote it (its "
+                                        "checksum trailer is gone)");
+    return contents;
+  });
 }
 
 Status store::ReadArraysInParts(const std::filesystem::path& path, const std::vector<std::string>& names,
                                 const std::function<bool(std::span<const std::byte>)>& take) {
   const store::QuietErrors quiet;
-  const Result<RegularFile> bytes = RegularFile::Open(path);
-  if (!bytes.ok()) return bytes.status();
-  const Result<File> file = Open(path, bytes.value());
-  if (!file.ok()) return file.status();
-  for (const std::string& name : names)
-    if (Status status = store::ReadInParts(file.value().handle.get(), name,
-                                           store::MostUnpacked(bytes.value().size()), take);
-        !status.ok())
-      return Named(path.string(), status);
-  return Status::Ok();
+  return WithFile(path, [&](const File& file, const RegularFile& bytes) -> Status {
+    for (const std::string& name : names)
+      if (Status status =
+              store::ReadInParts(file.handle.get(), name, store::MostUnpacked(bytes.size()), take);
+          !status.ok())
+        return Named(path.string(), status);
+    return Status::Ok();
+  });
 }
 
 Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind, const Blob& blob) {
@@ -180,14 +208,17 @@ Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptio
 }
 
 Result<BlobFile> ReadStoredFile(const std::filesystem::path& path) {
-  const Result<RegularFile> bytes = RegularFile::Open(path);
-  if (!bytes.ok()) return bytes.status();
-  if (Status trailer = store::CheckTrailer(bytes.value(), path.string()); !trailer.ok()) return trailer;
-  const std::lock_guard lock(store::LibraryMutex());
-  const store::QuietErrors quiet;
-  const Result<File> file = Open(path, bytes.value());
-  if (!file.ok()) return file.status();
-  return AsBlobFile(ReadAll(file.value(), path.string(), {}, kHoweverMuch));
+  for (int i = 0; i < kMostTries; ++i) {
+    const Result<RegularFile> bytes = RegularFile::Open(path);
+    if (!bytes.ok()) return bytes.status();
+    if (Status trailer = store::CheckTrailer(bytes.value(), path.string()); !trailer.ok()) return trailer;
+    const std::lock_guard lock(store::LibraryMutex());
+    const store::QuietErrors quiet;
+    const Result<File> file = Open(path, bytes.value());
+    if (!file.ok()) return file.status();
+    if (!file.value().replaced) return AsBlobFile(ReadAll(file.value(), path.string(), {}, kHoweverMuch));
+  }
+  return IsReplacedAllTheTime(path);
 }
 
 Result<BlobFile> ReadBlobFileWithoutTruth(const std::filesystem::path& path, bool changed_too) {
@@ -197,11 +228,8 @@ Result<BlobFile> ReadBlobFileWithoutTruth(const std::filesystem::path& path, boo
 Result<BlobFileInfo> ListBlobFile(const std::filesystem::path& path) {
   Result<FileContents> contents = store::InChild(path, [&]() -> Result<FileContents> {
     const store::QuietErrors quiet;
-    const Result<RegularFile> bytes = RegularFile::Open(path);
-    if (!bytes.ok()) return bytes.status();
-    const Result<File> file = Open(path, bytes.value());
-    if (!file.ok()) return file.status();
-    return DescribeAll(file.value(), path.string());
+    return WithFile(path,
+                    [&](const File& file, const RegularFile&) { return DescribeAll(file, path.string()); });
   });
   if (!contents.ok()) return contents.status();
   FileContents& found = contents.value();

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <thread>
 #include <vector>
 
 #include "schema/store/blob_file.h"
@@ -42,6 +45,40 @@ TEST(Trailer, AnyFlippedByteIsSeen) {
   EXPECT_EQ(status.code(), Code::kCorrupt);
   EXPECT_EQ(status.message(),
             (folder / "a.h5").string() + ": damaged: its bytes are not those that were written");
+}
+
+// The name is given to and fro between a stored file and one that holds something else and is damaged.
+TEST(Trailer, WhatHasTheNameAMomentLaterIsNotRead) {
+  const TempFolder folder;
+  ASSERT_TRUE(WriteBlobFile(folder / "right.h5", "blob", OddBlob()).ok());
+  Blob other = OddBlob();
+  other.Put("another", Array::Scalar(1.0));
+  ASSERT_TRUE(WriteBlobFile(folder / "wrong.h5", "blob", other).ok());
+  std::vector<std::byte> bytes = Bytes(folder / "wrong.h5");
+  bytes.back() ^= std::byte{1};
+  Overwrite(folder / "wrong.h5", bytes);
+  std::filesystem::create_hard_link(folder / "right.h5", folder / "a.h5");
+  std::atomic<bool> stop = false;
+  std::thread swapper([&] {
+    for (int i = 0; !stop; ++i) {
+      std::filesystem::create_hard_link(folder / (i % 2 == 0 ? "wrong.h5" : "right.h5"), folder / "next.h5");
+      std::filesystem::rename(folder / "next.h5", folder / "a.h5");
+    }
+  });
+  int right = 0, damaged = 0;
+  while (right < 100 || damaged < 100) {
+    const Result<BlobFile> read = ReadStoredFile(folder / "a.h5");
+    if (read.ok()) {
+      ++right;
+      if (read.value().blob.ContentHash() == OddBlob().ContentHash()) continue;
+      ADD_FAILURE() << "the trailer of one file was looked at, the data of another read";
+      break;
+    }
+    ++damaged;
+    EXPECT_EQ(read.status().code(), Code::kCorrupt) << read.status().message();
+  }
+  stop = true;
+  swapper.join();
 }
 
 TEST(Trailer, AnyTruncationIsSeen) {

@@ -374,7 +374,7 @@ TEST_F(Embedded, AWorkerThatDiesIsStartedAgainAndTheBitsAreTheSame) {
   const EmbeddedResult result = Run();
   ASSERT_EQ(result.end, EmbeddedEnd::kDone) << result.reason;
   EXPECT_TRUE(killed);
-  EXPECT_NE(lines_.find("died"), std::string::npos) << lines_;
+  EXPECT_NE(lines_.find("died of signal 9"), std::string::npos) << lines_;
   EXPECT_EQ(Have(), Want());
   EXPECT_TRUE(Children().empty());
 }

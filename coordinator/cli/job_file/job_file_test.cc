@@ -302,6 +302,7 @@ TEST_F(JobFile, BadArgumentsAreRefused) {
     return "accepted";
   };
   EXPECT_TRUE(complaint("landmark_mpa", {}).starts_with("there is no pipeline 'landmark_mpa'; did you mean"));
+  EXPECT_EQ(complaint("log.h5", {}), "there is no pipeline 'log.h5'; `cairn map log.h5` chooses one");
   EXPECT_TRUE(complaint("landmark_map", {"cell_m"}).starts_with("--set cell_m: write key=value"));
   EXPECT_TRUE(
       complaint("landmark_map", {"cel_m=1"}).starts_with("--set cel_m=1: unknown option; did you mean"));
