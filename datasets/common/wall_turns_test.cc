@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/verdict.h"
+#include "datasets/common/local_map_verdict.h"
 #include "schema/rng.h"
 
 namespace cairn::datasets {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/common/verdict.h"
+#include "datasets/common/landmark_map_verdict.h"
 #include "datasets/evaluate/landmarks.h"
 #include "datasets/evaluate/made_from.h"
 #include "datasets/evaluate/matching/align.h"

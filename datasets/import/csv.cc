@@ -13,9 +13,8 @@
 #include "datasets/import/csv_reader.h"
 #include "datasets/import/name_index.h"
 #include "datasets/import/pose_controls.h"
+#include "datasets/import/row_times.h"
 #include "datasets/import/skipped_rows.h"
-#include "datasets/import/time_digits.h"
-#include "datasets/import/time_order.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "datasets/common/unit_doubts.h"
-#include "datasets/import/time_order.h"
+#include "datasets/import/row_times.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {

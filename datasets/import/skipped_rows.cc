@@ -1,6 +1,6 @@
 #include "datasets/import/skipped_rows.h"
 
-#include "datasets/import/time_order.h"
+#include "datasets/import/row_times.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "datasets/import/csv_reader.h"
-#include "datasets/import/time_order.h"
+#include "datasets/import/row_times.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {

@@ -6,8 +6,9 @@
 #include <cmath>
 
 #include "datasets/common/array_text.h"
+#include "datasets/common/landmark_map_verdict.h"
+#include "datasets/common/local_map_verdict.h"
 #include "datasets/common/unit_doubts.h"
-#include "datasets/common/verdict.h"
 #include "schema/kinds/grid_map.h"
 #include "schema/kinds/kind.h"
 #include "schema/kinds/learning.h"

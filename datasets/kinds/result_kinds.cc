@@ -4,6 +4,10 @@
 
 #include <algorithm>
 
+#include "datasets/common/grid_map_verdict.h"
+#include "datasets/common/landmark_map_verdict.h"
+#include "datasets/common/local_map_verdict.h"
+#include "datasets/common/networks_verdict.h"
 #include "datasets/report/draw_map.h"
 #include "datasets/report/pages/pages.h"
 #include "schema/kinds/grid_map.h"

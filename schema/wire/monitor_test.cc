@@ -3,12 +3,13 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/time.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <optional>
+#include <string>
 
 #include "schema/wire/testing/private_folder.h"
+#include "schema/wire/testing/raw_peer.h"
 
 namespace cairn::wire {
 namespace {
@@ -18,23 +19,15 @@ constexpr timeval kMonitorPatience{20, 0};  // far more than anything here takes
 // Takes connections and breaks them off.
 class RudePeer {
  public:
-  explicit RudePeer(const std::string& path) : listener_(::socket(AF_UNIX, SOCK_STREAM, 0)) {
-    sockaddr_un name{};
-    name.sun_family = AF_UNIX;
-    path.copy(name.sun_path, sizeof name.sun_path - 1);
-    EXPECT_EQ(::setsockopt(listener_, SOL_SOCKET, SO_RCVTIMEO, &kMonitorPatience, sizeof kMonitorPatience),
-              0);
-    EXPECT_EQ(::bind(listener_, reinterpret_cast<sockaddr*>(&name), sizeof name), 0);
-    EXPECT_EQ(::listen(listener_, 1), 0);
+  explicit RudePeer(const std::string& path) : listener_(path) {
+    EXPECT_EQ(
+        ::setsockopt(listener_.fd(), SOL_SOCKET, SO_RCVTIMEO, &kMonitorPatience, sizeof kMonitorPatience), 0);
   }
-  ~RudePeer() { ::close(listener_); }
-  RudePeer(const RudePeer&) = delete;
-  RudePeer& operator=(const RudePeer&) = delete;
   // False: none comes.
-  bool BreakTheNext() const { return ::close(::accept(listener_, nullptr, nullptr)) == 0; }
+  bool BreakTheNext() const { return ::close(listener_.AcceptFd()) == 0; }
 
  private:
-  const int listener_;
+  const RawListener listener_;
 };
 
 struct MonitoredLink {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "datasets/common/local_map_verdict.h"
 #include "datasets/common/unit_doubts.h"
-#include "datasets/common/verdict.h"
 #include "datasets/evaluate/local.h"
 #include "datasets/simulate/office/office.h"
 #include "pipelines/registry.h"

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "coordinator/cli/commands/simulate/loop_options.h"
-#include "datasets/common/verdict.h"
+#include "datasets/common/landmark_map_verdict.h"
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/import/csv.h"
 #include "datasets/simulate/loop.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/verdict.h"
+#include "datasets/common/landmark_map_verdict.h"
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/simulate/loop.h"
 #include "pipelines/landmark_map/measured.h"

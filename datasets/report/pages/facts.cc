@@ -5,7 +5,6 @@
 #include <map>
 #include <sstream>
 
-#include "datasets/common/verdict.h"
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/pages/parts.h"
 #include "schema/kinds/landmark_map.h"

@@ -8,7 +8,7 @@
 #include <regex>
 #include <vector>
 
-#include "datasets/common/verdict.h"
+#include "datasets/common/landmark_map_verdict.h"
 #include "datasets/evaluate/testing/grid.h"
 #include "datasets/evaluate/testing/perfect_result.h"
 #include "datasets/kinds/job_report.h"

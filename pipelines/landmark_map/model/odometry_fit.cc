@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "pipelines/common/handed_over.h"
+#include "schema/square.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -17,20 +18,18 @@ void Add(const WidthEvidence& from, double weight, WidthEvidence* to) {
   to->known += weight * from.known;
 }
 
-double Squared(double x) { return x * x; }
-
 // One kind of width of all robots: where it stands in a fit, and its evidence.
 void FitWidth(const std::vector<IncrementSums>& sums, const WidthEvidence& (IncrementSums::*evidence)() const,
               double OdometryFit::* width, double nominal, std::vector<OdometryFit>* fits) {
-  double squares = kPriorIncrements * Squared(nominal), known = kPriorIncrements;
+  double squares = kPriorIncrements * Square(nominal), known = kPriorIncrements;
   for (std::size_t r = 0; r < sums.size(); ++r) {
-    squares += (sums[r].*evidence)().squares * Squared((*fits)[r].*width);
+    squares += (sums[r].*evidence)().squares * Square((*fits)[r].*width);
     known += (sums[r].*evidence)().known;
   }
   const double mean_square = squares / known;
   for (std::size_t r = 0; r < sums.size(); ++r) {
     double& now = (*fits)[r].*width;
-    const double own = (sums[r].*evidence)().squares * Squared(now) + kPriorIncrements * mean_square;
+    const double own = (sums[r].*evidence)().squares * Square(now) + kPriorIncrements * mean_square;
     // [TBF98] section 2.1 takes the width as given; here the M-step fits it.
     const double fitted = std::sqrt(own / ((sums[r].*evidence)().known + kPriorIncrements));
     now = std::max(kLeastShare * nominal, std::clamp(fitted, now / kLargestChange, now * kLargestChange));
@@ -72,15 +71,14 @@ void IncrementSums::AddHeading(double heading_rad, double next_path_m) {
 void IncrementSums::AddIncrement(const MotionIncrement& increment, const HalfTurn& posterior,
                                  const MotionNoise& widths) {
   const double variance = posterior.prior_rad2;
-  const double all = Squared(ErrorOf(increment, widths).heading_rad);
+  const double all = Square(ErrorOf(increment, widths).heading_rad);
   if (!(variance > 0.0) || !(all > 0.0)) return;
   const double share = posterior.variance_rad2 / variance;
   constexpr double kHalves = 2.0;
-  const WidthEvidence evidence{
-      kHalves * (Squared(posterior.mean_rad) / variance + std::max(0.0, share - 1.0)),
-      kHalves * (1.0 - std::min(1.0, share))};
-  Add(evidence, Squared(widths.heading_walk_rad_per_sqrt_m) * increment.path_m / all, &walk_);
-  Add(evidence, Squared(widths.turn_ratio * increment.turn_rad) / all, &turn_);
+  const WidthEvidence evidence{kHalves * (Square(posterior.mean_rad) / variance + std::max(0.0, share - 1.0)),
+                               kHalves * (1.0 - std::min(1.0, share))};
+  Add(evidence, Square(widths.heading_walk_rad_per_sqrt_m) * increment.path_m / all, &walk_);
+  Add(evidence, Square(widths.turn_ratio * increment.turn_rad) / all, &turn_);
 }
 
 void IncrementSums::Join(const IncrementSums& earlier, double link_path_m) {
@@ -99,8 +97,8 @@ void IncrementSums::Join(const IncrementSums& earlier, double link_path_m) {
 double FitDrift(const IncrementSums& sums, const MotionNoise& nominal, double so_far) {
   const double path_m = sums.path_m();
   if (!(path_m > 0.0)) return so_far;
-  const double prior = Squared(nominal.heading_drift_rad_per_m);
-  const double evidence = Squared(nominal.heading_walk_rad_per_sqrt_m) / path_m;
+  const double prior = Square(nominal.heading_drift_rad_per_m);
+  const double evidence = Square(nominal.heading_walk_rad_per_sqrt_m) / path_m;
   if (!(prior + evidence > 0.0)) return so_far;
   return (so_far - sums.turned_rad() / path_m) * prior / (prior + evidence);
 }

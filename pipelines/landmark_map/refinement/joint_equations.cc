@@ -5,14 +5,14 @@
 #include <cmath>
 #include <utility>
 
+#include "schema/square.h"
+
 namespace cairn::landmark_map {
 namespace {
 
 constexpr double kAnchor_m = 1e-2;  // standard deviation that holds the first pose: nothing else pulls at it
 constexpr double kLeastDistance_m = 0.01;  // nearer than that there is no bearing
 constexpr double kUnheld = 1e5;            // of an unknown that no residual is of
-
-double Squared(double x) { return x * x; }
 
 // The end of an edge less where its controls lead, in the frame of its beginning, and its derivatives by both
 // nodes.
@@ -71,7 +71,7 @@ struct PriorTerm {
   double cost, gradient, curvature;
 };
 PriorTerm CauchyPrior(double value, double scale) {
-  const double square = Squared(value / scale), curvature = 2.0 / (Squared(scale) * (1.0 + square));
+  const double square = Square(value / scale), curvature = 2.0 / (Square(scale) * (1.0 + square));
   return {std::log1p(square), curvature * value, curvature};
 }
 
@@ -135,7 +135,7 @@ double JointEquations::Evaluate(const LeastSquaresPoint& point, bool linearise, 
   if (linearise) {
     matrix_.SetZero();
     gradient_ = Eigen::VectorXd::Zero(layout_.size());
-    for (int k = 0; k < layout_.size(); ++k) matrix_.Add(k, k, 1.0 / Squared(kUnheld));
+    for (int k = 0; k < layout_.size(); ++k) matrix_.Add(k, k, 1.0 / Square(kUnheld));
   }
   AddAnchor(point, linearise);
   for (std::size_t r = 0; r < problem_.robots.size(); ++r) {
@@ -173,7 +173,7 @@ std::vector<Eigen::VectorXd> JointEquations::CommonErrors(const LeastSquaresPoin
 }
 
 double JointEquations::Weight(const SightingResidual& residual, const Sighting& seen) const {
-  return 1.0 / (1.0 + residual.error.cwiseAbs2().dot(ShareOf(seen)) / Squared(kCauchySigmas));
+  return 1.0 / (1.0 + residual.error.cwiseAbs2().dot(ShareOf(seen)) / Square(kCauchySigmas));
 }
 
 JointEquations::EdgeTerm JointEquations::Edge(const LeastSquaresPoint& point, std::size_t r,
@@ -232,7 +232,7 @@ void JointEquations::AddTerm(const Eigen::Matrix<double, kErrors, 1>& error,
 
 void JointEquations::AddAnchor(const LeastSquaresPoint& point, bool linearise) {
   for (int i = 0; i < 3; ++i) {
-    const double off = point.nodes[0][0][i] - anchor_[i], weight = 1.0 / Squared(kAnchor_m);
+    const double off = point.nodes[0][0][i] - anchor_[i], weight = 1.0 / Square(kAnchor_m);
     cost_ += 0.5 * weight * off * off;
     if (!linearise) continue;
     gradient_[layout_.Node(0, 0) + i] += weight * off;

@@ -4,13 +4,12 @@
 #include <cmath>
 
 #include "pipelines/landmark_map/refinement/joint_equations.h"
+#include "schema/square.h"
 
 namespace cairn::landmark_map {
 namespace {
 
 constexpr double kLeastDecrease = 1e-3;  // nats that a step must promise
-
-double SquareOfIt(double x) { return x * x; }
 
 }  // namespace
 
@@ -22,9 +21,9 @@ Eigen::Vector2d PlaceSeen(const Eigen::Vector3d& node, const Sighting& seen, dou
 }
 
 Eigen::Matrix3d CovarianceOf(const EdgeSpread& spread, const EdgeWidths& widths) {
-  return SquareOfIt(widths.walk_rad_per_sqrt_m) * spread.walk +
-         SquareOfIt(widths.turn_rad_per_sqrt_rad) * spread.turn +
-         SquareOfIt(widths.way_m_per_sqrt_m) * spread.way + spread.slip;
+  return Square(widths.walk_rad_per_sqrt_m) * spread.walk +
+         Square(widths.turn_rad_per_sqrt_rad) * spread.turn + Square(widths.way_m_per_sqrt_m) * spread.way +
+         spread.slip;
 }
 
 std::vector<Eigen::Vector3d> DeadReckoned(const NodeTrack& track, const Eigen::Vector3d& first,

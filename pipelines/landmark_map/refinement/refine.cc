@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "pipelines/common/handed_over.h"
+#include "schema/square.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -22,8 +23,6 @@ constexpr double kLeastTurn_rad = 1e-3;
 // which data cannot show: left free it shrinks the map.
 constexpr double kOwnError_m = 1.0;
 constexpr double kFixed = 1e-6, kFree = 1e4;  // standard deviations of the first pose, of any unknown
-
-double Square(double x) { return x * x; }
 
 std::string Text(const char* format, double a, double b) {
   char text[160];

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipelines/landmark_map/refinement/joint_equations.h"
+#include "schema/square.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -22,8 +23,6 @@ constexpr double kMostSquareOfMotion = 9.0;
 // matrix and H the sightings', a residual's covariance lacks M^-1 (A + (2 a - b) H) M^-1 with M = A + a H,
 // which is (A + b H)^-1 to first order; in the equations H counts 0.8399, its mean weight.
 constexpr double kHoldingShare = 0.5372 / 0.8399;
-
-double SquareOfWidth(double x) { return x * x; }
 
 // J Cov J' of a term, of the unknowns' selected covariances.
 template <int kErrors, int kUnknowns>
@@ -45,7 +44,7 @@ struct Redundancy {
   // The likeliest factor on the width, under the prior that it is `ratio` times what it is now: with u its
   // logarithm, the least of count u + squares exp(-2 u) / 2 + (u - log(ratio))^2 / (2 kLogWidthSd^2).
   double Factor(double ratio) const {
-    const double mean = std::log(ratio), weight = 1.0 / SquareOfWidth(kLogWidthSd);
+    const double mean = std::log(ratio), weight = 1.0 / Square(kLogWidthSd);
     double low = -kMostLog, high = kMostLog;
     for (int k = 0; k < 50; ++k) {
       const double u = 0.5 * (low + high);
@@ -82,7 +81,7 @@ double ReestimateWidths(const LeastSquaresProblem& nominal, const LeastSquaresPo
       const Eigen::Vector3d weighted = weight * term.error;
       const double share = std::min(1.0, kMostSquareOfMotion / term.error.dot(weighted));
       const auto add = [&](const Eigen::Matrix3d& spread, double width, Redundancy* to) {
-        const Eigen::Matrix3d part = SquareOfWidth(width) * spread;
+        const Eigen::Matrix3d part = Square(width) * spread;
         to->squares += share * weighted.dot(part * weighted);
         to->count += (part * free).trace();
       };
@@ -103,7 +102,7 @@ double ReestimateWidths(const LeastSquaresProblem& nominal, const LeastSquaresPo
     const Eigen::Vector2d share = equations.ShareOf(seen);
     const Eigen::Matrix2d fitted = Fitted<2, 6>(term.by, term.at, inverse);
     const auto add = [&](int k, Redundancy* to) {
-      to->squares += weight * SquareOfWidth(term.residual.error[k]);
+      to->squares += weight * Square(term.residual.error[k]);
       to->count += kMeanWeightedSquare * (1.0 - kHoldingShare * weight * share[k] * fitted(k, k));
     };
     add(0, seen.contact() ? &contact : &range);

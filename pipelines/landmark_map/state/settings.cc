@@ -12,6 +12,7 @@
 #include "pipelines/common/handed_over.h"
 #include "pipelines/common/odometry.h"
 #include "pipelines/landmark_map/model/work.h"
+#include "schema/square.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -78,8 +79,6 @@ double RoundNumber(double value) {
   return power * (lead < std::sqrt(2.0) ? 1 : lead < std::sqrt(10.0) ? 2 : lead < std::sqrt(50.0) ? 5 : 10);
 }
 
-double SquareOf(double x) { return x * x; }
-
 double Extent(const Odometry& odometry) {
   const auto [x0, x1] = std::ranges::minmax(odometry.x_m);
   const auto [y0, y1] = std::ranges::minmax(odometry.y_m);
@@ -140,7 +139,7 @@ double DriftLength(const Options& options, const kinds::Log& log, const Sensing&
   if (options.drift_length_m > 0) return options.drift_length_m;
   const double length_m = 150.0 * cell_m;
   if (starts < 2 || !(TellsDrift(log) || sensing.ranged > 0)) return length_m;
-  return std::min(1.0, SquareOf(DriftStep(starts)) / 12.0) * length_m;
+  return std::min(1.0, Square(DriftStep(starts)) / 12.0) * length_m;
 }
 
 // Odometry's errors where the log does not tell them. They are where EM starts and are estimated from there:
@@ -207,7 +206,7 @@ double TrustedShare(const Odometry& odometry, const MotionNoise& noise, double m
   for (std::size_t i = 1; i < odometry.path_m.size(); ++i) {
     const MotionIncrement increment{.path_m = odometry.path_m[i] - odometry.path_m[i - 1],
                                     .turn_rad = odometry.turn_rad[i] - odometry.turn_rad[i - 1]};
-    variance += SquareOf(ErrorOf(increment, noise).heading_rad);
+    variance += Square(ErrorOf(increment, noise).heading_rad);
     if (variance > most_rad * most_rad) return odometry.path_m[i] / odometry.path_m.back();
   }
   return 1.0;
@@ -324,7 +323,7 @@ Settings ResolveWith(const Options& options, const Seen& seen, int starts) {
   settings.keep_kernels = options.keep_kernels;
   settings.whole_tables = options.tables == "whole";
   settings.box_m = options.box_m;
-  settings.places = SquareOf(extent / grid.cell_m + 1.0);
+  settings.places = Square(extent / grid.cell_m + 1.0);
   constexpr double kTrusted_rad = 24.0 * kDegree;
   settings.growth_start = options.growth_start > 0 ? options.growth_start
                           : sensing.ranged == 0    ? TrustedShare(seen.odometry, settings.noise, kTrusted_rad)

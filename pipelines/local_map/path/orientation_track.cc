@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "schema/square.h"
+
 namespace cairn::local_map {
 namespace {
 
@@ -22,8 +24,6 @@ constexpr int kRepeats = 3;
 constexpr double kFullSight_m = 3, kIndependent_m = 0.2;  // edges of a whole sight; sights closer are one
 
 double ModuloQuarter(double angle_rad) { return std::remainder(angle_rad, kQuarter_rad); }
-double Squared(double x) { return x * x; }
-
 // A few scans at about one place.
 struct SightNode {
   std::size_t first = 0, end = 0;  // sights
@@ -37,8 +37,8 @@ struct Drift {
     return per_m * (to.path_m - from.path_m) + turn_scale * (to.heading_rad - from.heading_rad);
   }
   double Variance(const OrientationSight& from, const OrientationSight& to) const {
-    return Squared(walk) * (to.path_m - from.path_m) +
-           Squared(turn_ratio * (to.heading_rad - from.heading_rad)) + (to.begins ? Squared(kJump_rad) : 0);
+    return Square(walk) * (to.path_m - from.path_m) +
+           Square(turn_ratio * (to.heading_rad - from.heading_rad)) + (to.begins ? Square(kJump_rad) : 0);
   }
 };
 
@@ -80,14 +80,14 @@ std::vector<double> MostLikely(const std::vector<OrientationSight>& sights,
   for (std::size_t n = 1; n < nodes.size(); ++n) {
     const OrientationSight &from = sights[nodes[n - 1].first], &to = sights[nodes[n].first];
     const double mean = drift.Of(from, to) / kState_rad;
-    const double sd = std::sqrt(drift.Variance(from, to) + Squared(kStill_rad)) / kState_rad;
+    const double sd = std::sqrt(drift.Variance(from, to) + Square(kStill_rad)) / kState_rad;
     const int middle = static_cast<int>(std::lround(mean));
     const int reach = std::min(kStates / 2 - 1, static_cast<int>(std::ceil(4 * sd)));
     for (int k = 0; k < kStates; ++k) {
       double most = -std::numeric_limits<double>::infinity();
       for (int by = middle - reach; by <= middle + reach; ++by) {
         const int before = (((k - by) % kStates) + kStates) % kStates;
-        const double nats = best[n - 1][static_cast<std::size_t>(before)] - Squared((by - mean) / sd) / 2;
+        const double nats = best[n - 1][static_cast<std::size_t>(before)] - Square((by - mean) / sd) / 2;
         if (nats <= most) continue;
         most = nats;
         step[n][static_cast<std::size_t>(k)] = static_cast<std::int16_t>(by);
@@ -118,7 +118,7 @@ Drift Learn(const std::vector<OrientationSight>& sights, const std::vector<Sight
     const OrientationSight &from = sights[nodes[n - 1].first], &to = sights[nodes[n].first];
     if (to.begins) continue;
     const double travelled = to.path_m - from.path_m, turn = to.heading_rad - from.heading_rad;
-    const double weight = 1 / (travelled + Squared(turn) + 0.01), by = angle[n] - angle[n - 1];
+    const double weight = 1 / (travelled + Square(turn) + 0.01), by = angle[n] - angle[n - 1];
     ww += weight * travelled * travelled;
     wt += weight * travelled * turn;
     tt += weight * turn * turn;
@@ -133,7 +133,7 @@ Drift Learn(const std::vector<OrientationSight>& sights, const std::vector<Sight
   for (std::size_t n = 1; n < nodes.size(); ++n) {
     const OrientationSight &from = sights[nodes[n - 1].first], &to = sights[nodes[n].first];
     if (to.begins) continue;
-    squares += Squared(angle[n] - angle[n - 1] - drift.Of(from, to));
+    squares += Square(angle[n] - angle[n - 1] - drift.Of(from, to));
     travelled += to.path_m - from.path_m;
   }
   drift.walk =
@@ -208,7 +208,7 @@ OrientationTrack TrackOrientation(const std::vector<OrientationSight>& sights,
   }
   const std::vector<double> guess = AtSights(sights, nodes, angle, drift);
   std::vector<Filtered> filtered(sights.size());
-  double off = 0, variance = Squared(options.other_rad);
+  double off = 0, variance = Square(options.other_rad);
   for (std::size_t s = 0; s < sights.size(); ++s) {
     double independent = 1;
     if (s > 0) {
@@ -223,7 +223,7 @@ OrientationTrack TrackOrientation(const std::vector<OrientationSight>& sights,
     const Centre centre = CentreOf(sights[s].edges_m, guess[s] + off, options.other_rad);
     const double weight = independent * std::min(1.0, centre.length_m / kFullSight_m);
     if (weight > 0) {
-      const double gain = variance / (variance + Squared(options.seen_rad) / weight);
+      const double gain = variance / (variance + Square(options.seen_rad) / weight);
       off += gain * centre.off_rad;
       variance *= 1 - gain;
     }
@@ -240,7 +240,7 @@ OrientationTrack TrackOrientation(const std::vector<OrientationSight>& sights,
       const Filtered& next = filtered[s + 1];
       const double gain = next.before > 0 ? now.variance / next.before : 1;
       smoothed += gain * (track.at[s + 1].angle_rad - guess[s + 1] - next.predicted);
-      left += gain * gain * (Squared(track.at[s + 1].sd_rad) - next.before);
+      left += gain * gain * (Square(track.at[s + 1].sd_rad) - next.before);
     }
     track.at[s].angle_rad = guess[s] + smoothed;
     track.at[s].sd_rad = std::sqrt(std::max(left, 0.0));

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "schema/error.h"
+#include "schema/square.h"
 
 namespace cairn::local_map {
 namespace {
@@ -48,8 +49,6 @@ class Equations {
   std::vector<Eigen::Triplet<double>> entries_;
   Eigen::VectorXd right_;
 };
-
-double Square(double x) { return x * x; }
 
 void AddOdometryEdges(const std::vector<OdometryEdge>& odometry_edges, Equations* equations) {
   for (const OdometryEdge& odometry_edge : odometry_edges) {

@@ -1,4 +1,4 @@
-// For tests that attack: a TCP connection without any manners, and a relay that listens in and tampers.
+// For tests that attack: connections without any manners, and listeners that take them.
 #pragma once
 
 #include <arpa/inet.h>
@@ -8,12 +8,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cstdlib>
-#include <functional>
-#include <mutex>
 #include <string>
-#include <thread>
 #include <utility>
 
 #include "schema/error.h"
@@ -62,120 +58,61 @@ class RawTcp {
   bool connected_ = false;
 };
 
+inline sockaddr_un UnixAddress(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  return address;
+}
+
+inline int ConnectUnix(const std::string& path) {
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const sockaddr_un address = UnixAddress(path);
+  CAIRN_DEMAND(::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0, path);
+  return fd;
+}
+
 // The same over ipc.
 class RawIpc : public RawTcp {
  public:
-  explicit RawIpc(const std::string& path) : RawTcp(Connected(path), true) {}
-
- private:
-  static int Connected(const std::string& path) {
-    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    path.copy(address.sun_path, sizeof address.sun_path - 1);
-    CAIRN_DEMAND(::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0, path);
-    return fd;
-  }
+  explicit RawIpc(const std::string& path) : RawTcp(ConnectUnix(path), true) {}
 };
 
-// Listens where a coordinator should.
-class Impostor {
+// Listens where a coordinator should: at a port of its own of this machine, or, of a path, at a socket file.
+class RawListener {
  public:
-  Impostor() : listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  RawListener() : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    const int on = 1;  // so that whoever comes next may have the port at once
+    ::setsockopt(fd_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     sockaddr_in address = RawTcp::Loopback(0);
     socklen_t size = sizeof address;
-    CAIRN_DEMAND(::bind(listener_, reinterpret_cast<sockaddr*>(&address), size) == 0 &&
-                     ::listen(listener_, 1) == 0 &&
-                     ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) == 0,
-                 "no port to listen at");
+    Listen(address);
+    CAIRN_DEMAND(::getsockname(fd_, reinterpret_cast<sockaddr*>(&address), &size) == 0, "no port");
     endpoint_ = "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
   }
-  ~Impostor() { ::close(listener_); }
-  Impostor(const Impostor&) = delete;
-  Impostor& operator=(const Impostor&) = delete;
+  explicit RawListener(const std::string& path)
+      : fd_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)), endpoint_("ipc://" + path) {
+    Listen(UnixAddress(path));
+  }
+  ~RawListener() { ::close(fd_); }
+  RawListener(const RawListener&) = delete;
+  RawListener& operator=(const RawListener&) = delete;
+  int fd() const { return fd_; }
   const std::string& endpoint() const { return endpoint_; }
-  RawTcp Accept() const { return {::accept(listener_, nullptr, nullptr), true}; }
+  int AcceptFd() const { return ::accept4(fd_, nullptr, nullptr, SOCK_CLOEXEC); }
+  RawTcp Accept() const { return {AcceptFd(), true}; }
 
  private:
-  const int listener_;
+  template <class Address>
+  void Listen(const Address& address) const {
+    constexpr int kWaiting = 8;
+    CAIRN_DEMAND(::bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+                     ::listen(fd_, kWaiting) == 0,
+                 "nowhere to listen");
+  }
+
+  const int fd_;
   std::string endpoint_;
-};
-
-// Relays one connection to `port`. What the client sends goes through `tamper` first.
-class Relay {
- public:
-  explicit Relay(int port) : port_(port), listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in address = RawTcp::Loopback(0);
-    socklen_t size = sizeof address;
-    CAIRN_DEMAND(::bind(listener_, reinterpret_cast<sockaddr*>(&address), size) == 0 &&
-                     ::listen(listener_, 1) == 0 &&
-                     ::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) == 0,
-                 "no port to relay from");
-    endpoint_ = "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
-    thread_ = std::thread([this] { Run(); });
-  }
-  ~Relay() {
-    stop_ = true;
-    thread_.join();
-    ::close(listener_);
-  }
-  Relay(const Relay&) = delete;
-  Relay& operator=(const Relay&) = delete;
-  const std::string& endpoint() const { return endpoint_; }
-  std::string Heard() {  // from the client, so far
-    const std::lock_guard lock(mutex_);
-    return heard_;
-  }
-  void Tamper(std::function<std::string(std::string)> tamper) {
-    const std::lock_guard lock(mutex_);
-    tamper_ = std::move(tamper);
-  }
-
- private:
-  void Run() {
-    pollfd waiting{listener_, POLLIN, 0};
-    while (!stop_ && ::poll(&waiting, 1, 10) <= 0) {
-    }
-    if (stop_) return;
-    const int client = ::accept(listener_, nullptr, nullptr);
-    const int server = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    const sockaddr_in address = RawTcp::Loopback(port_);
-    if (::connect(server, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
-      while (!stop_ && Pump(client, server)) {
-      }
-    }
-    ::close(client);
-    ::close(server);
-  }
-  bool Pump(int client, int server) {
-    pollfd items[2] = {{client, POLLIN, 0}, {server, POLLIN, 0}};
-    ::poll(items, 2, 10);
-    for (const pollfd& item : items) {
-      if (item.revents == 0) continue;
-      std::string bytes(65536, '\0');
-      const ssize_t got = ::recv(item.fd, bytes.data(), bytes.size(), 0);
-      if (got <= 0) return false;
-      bytes.resize(static_cast<std::size_t>(got));
-      if (item.fd == client) bytes = Hear(std::move(bytes));
-      if (::send(item.fd == client ? server : client, bytes.data(), bytes.size(), MSG_NOSIGNAL) < 0)
-        return false;
-    }
-    return true;
-  }
-  std::string Hear(std::string bytes) {
-    const std::lock_guard lock(mutex_);
-    heard_ += bytes;
-    return tamper_ ? tamper_(std::move(bytes)) : bytes;
-  }
-
-  const int port_;
-  const int listener_;
-  std::string endpoint_;
-  std::mutex mutex_;
-  std::string heard_;
-  std::function<std::string(std::string)> tamper_;
-  std::atomic<bool> stop_{false};
-  std::thread thread_;
 };
 
 }  // namespace cairn::wire

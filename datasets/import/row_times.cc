@@ -1,4 +1,4 @@
-#include "datasets/import/time_order.h"
+#include "datasets/import/row_times.h"
 
 #include <algorithm>
 #include <functional>
@@ -57,6 +57,23 @@ bool InTimeOrder(double time_s, double last_s, std::size_t time, std::optional<s
   }
   reader->Bad("time runs backwards", detail + hint);
   return false;
+}
+
+void TimeDigits::Add(double time_s) {
+  ++rows_;
+  if (times_ == 0) first_s_ = time_s;
+  if (times_ == 0 || time_s != last_s_) ++times_;
+  last_s_ = time_s;
+}
+
+std::string TimeDigits::Doubt() const {
+  constexpr std::size_t kFewRows = 20, kRowsATime = 50;
+  constexpr double kPause_s = 5;  // whole seconds are digits enough
+  if (rows_ < kFewRows) return {};
+  if (times_ > 1 && rows_ < kRowsATime * times_) return {};
+  if (times_ > 1 && last_s_ - first_s_ < kPause_s * static_cast<double>(times_ - 1)) return {};
+  return std::to_string(rows_) + " rows have " + std::to_string(times_) + (times_ == 1 ? " time" : " times") +
+         ": were they written with too few digits?";
 }
 
 }  // namespace cairn::datasets

@@ -1,0 +1,92 @@
+// Which worker gets which task.
+#include <gtest/gtest.h>
+
+#include "coordinator/core/testing/core_fixture.h"
+
+namespace cairn::coordinator {
+namespace {
+
+TEST(CoreDispatch, GetsAsManyTasksAsItHasSlots) {
+  CoreFixture fixture;
+  Begin(fixture, 5, 3);
+  EXPECT_EQ(fixture.assigned.size(), 3u);
+  fixture.AnswerRun(fixture.Next(), H(10));
+  EXPECT_EQ(fixture.assigned.size(), 3u);
+}
+
+TEST(CoreDispatch, ALateJoinerTakesOverWhatWaitsBehindAnother) {
+  CoreFixture fixture;
+  Begin(fixture, 3, 3);
+  fixture.assigned.clear();
+  fixture.Join("late", 3);
+  const auto moved = fixture.Next();
+  EXPECT_EQ(moved.peer, "late");
+  EXPECT_EQ(moved.assign.key().task(), 2u);
+  EXPECT_EQ(moved.assign.key().attempt(), 2u);
+  const auto cancels = fixture.Sent(&wire::Envelope::has_cancel);
+  ASSERT_EQ(cancels.size(), 1u);
+  EXPECT_EQ(cancels[0].peer, "w");
+  EXPECT_TRUE(fixture.assigned.empty()) << "a worker that has something takes no more";
+}
+
+TEST(CoreDispatch, AnIdleWorkerCopiesAStragglerAndTheFirstAnswerCounts) {
+  CoreFixture fixture;
+  Begin(fixture, 4);
+  fixture.Join("x");
+  auto on_w = fixture.Next();
+  ASSERT_EQ(on_w.peer, "w");
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    fixture.now_s += 0.5;
+    fixture.AnswerRun(fixture.Next(), H(10 + i));
+  }
+  fixture.Heartbeat("w", {on_w}, 1);
+  fixture.Advance(0.4);
+  EXPECT_TRUE(fixture.assigned.empty());
+  fixture.Heartbeat("x");
+  fixture.Advance(0.2);
+  const auto copy = fixture.Next();
+  EXPECT_EQ(copy.peer, "x");
+  EXPECT_EQ(copy.assign.key().task(), on_w.assign.key().task());
+  fixture.Advance(1);
+  EXPECT_TRUE(fixture.assigned.empty()) << "one copy is enough";
+  fixture.AnswerRun(copy, H(20));
+  const auto cancels = fixture.Sent(&wire::Envelope::has_cancel);
+  ASSERT_EQ(cancels.size(), 1u);
+  EXPECT_EQ(cancels[0].peer, "w");
+  EXPECT_EQ(fixture.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
+  fixture.AnswerRun(on_w, H(20));
+  EXPECT_TRUE(fixture.alarms.empty());
+}
+
+TEST(CoreDispatch, AChainStaysOnTheWorkerThatHasThePartial) {
+  CoreFixture fixture;
+  fixture.Submit();
+  fixture.Join("v");
+  fixture.Join("w");
+  proto::Step step = TestStep(4);  // two chains: 0-2 and 1-3
+  step.mutable_tasks(2)->mutable_inputs(0)->set_task(0);
+  step.mutable_tasks(3)->mutable_inputs(0)->set_task(1);
+  fixture.AnswerPlan(fixture.Next(), step);
+  const auto t0 = fixture.Next(), t1 = fixture.Next();
+  ASSERT_NE(t0.peer, t1.peer);
+  fixture.AnswerRun(t1, H(11));
+  const auto t3 = fixture.Next();
+  EXPECT_EQ(t3.assign.key().task(), 3u);
+  EXPECT_EQ(t3.peer, t1.peer);
+}
+
+TEST(CoreDispatch, PlacementPrefersTheWorkerThatHasTheInputsWhereBothAreFree) {
+  Fleet fleet;
+  wire::Hello hello;
+  hello.set_slots(2);
+  fleet.Add("v", hello, 0);
+  fleet.NoteBlob(fleet.Add("w", hello, 0), H(1));
+  EXPECT_EQ(fleet.Place(std::vector{H(1)})->peer, "w");
+  EXPECT_EQ(fleet.Place(std::vector{H(2)})->peer, "v");
+  fleet.Give(*fleet.Find("w"), wire::TaskKey(), 0);
+  EXPECT_EQ(fleet.Place(std::vector{H(1)})->peer, "v")
+      << "a free worker comes before one that has the inputs";
+}
+
+}  // namespace
+}  // namespace cairn::coordinator

@@ -1,0 +1,260 @@
+#include "datasets/common/landmark_map_verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "datasets/common/moved_landmarks.h"
+#include "schema/kinds/landmark_map.h"
+
+namespace cairn::datasets {
+namespace {
+
+// How many of the maps that were called so were right: 375 of 376, 27 of 30, 4 of 13.
+const char* Frequency(Confidence confidence) {
+  if (confidence == Confidence::kHigh) return "99 of 100";
+  return confidence == Confidence::kFair ? "9 of 10" : "3 of 10";
+}
+
+// In what the job differs from those on which the rates were measured; none: in nothing.
+std::optional<std::string> Unlike(const kinds::LandmarkMap::Search& search) {
+  if (!search.unlike) return "the file does not say what it was made from";
+  std::string all;
+  for (const std::string& what : search.unlike) all += (all.empty() ? "" : ", ") + what;
+  if (all.empty()) return {};
+  return all;
+}
+
+std::string FoundText(const kinds::LandmarkMap::Search& search) {
+  const std::optional<double> lead = search.lead_nats.Optional();
+  const std::string ahead =
+      lead ? fmt::format("{:.1f} nats ahead of the next different map", *lead) : "no other map was found";
+  return fmt::format("found from {} of {} starts, {}", search.support.Or(0), search.starts.Or(0), ahead);
+}
+
+// What the search says of the map it chose.
+Verdict SearchVerdict(const Blob& result, bool at_a_distance) {
+  Verdict verdict;
+  const auto search = FieldsIn<kinds::LandmarkMap::Search>("search/", result);
+  const Confidence confidence = ReadConfidence(result);
+  if (confidence == Confidence::kNone) {
+    verdict.why = "there was no search";
+    return verdict;
+  }
+  verdict.numbers = {{"starts", search.starts.Or(0)}, {"starts_that_found_it", search.support.Or(0)}};
+  if (const auto lead = search.lead_nats.Optional()) verdict.numbers.emplace_back("lead_nats", *lead);
+  const std::string found = FoundText(search);
+  if (search.starts.Or(0) == 1) {
+    verdict.why = "EM started once, no other map to compare with";
+    if (search.why) verdict.why += " (" + search.why.Scalar() + ")";
+  } else if (at_a_distance) {
+    // Not high: of simulated loops two in ten came out wrong though all starts agreed and everything fitted.
+    verdict.trust = std::min(confidence, Confidence::kFair);
+    verdict.why = found;
+  } else if (const auto unlike = Unlike(search)) {
+    verdict.why = found + "; how often such maps are right was not measured (" + *unlike + ")";
+  } else {
+    verdict.trust = confidence;
+    verdict.why = std::string("right in ") + Frequency(confidence) + " such simulations; " + found;
+  }
+  return verdict;
+}
+
+Verdict::Doubt OfMisfits(const kinds::LandmarkMap::Fit& fit) {
+  constexpr double kFew = 0.03, kMany = 0.2, kGross = 6;
+  const std::int64_t observations = fit.observations.Scalar(), misfits = fit.misfits.Scalar();
+  if (misfits == 0) return {Confidence::kHigh};
+  const double share = static_cast<double>(misfits) / static_cast<double>(observations);
+  const double worst = fit.worst_sigmas.OrNone().empty() ? 0 : fit.worst_sigmas.OrNone().front();
+  const double time_s = fit.worst_time_s.OrNone().empty() ? 0 : fit.worst_time_s.OrNone().front();
+  return {
+      std::min(AtMost(share, kFew, kMany), worst < kGross ? Confidence::kHigh : Confidence::kFair),
+      fmt::format("{} of {} observations {} not fit the map, the worst is {:.1f} standard deviations off, "
+                  "at {:.1f} s",
+                  misfits, observations, misfits == 1 ? "does" : "do", worst, time_s)};
+}
+
+// Widths estimated from the residuals that are far from what was stated of a sensor. Where nothing names the
+// landmarks the map may explain each of them by a landmark of its own.
+Verdict::Doubt OfWidths(const kinds::LandmarkMap::Fit& fit) {
+  constexpr double kWider = 1.5, kMuchWider = 3;
+  double wider = 0;
+  for (std::size_t k = 0; k < fit.kind.OrNone().size(); ++k)
+    if ((fit.kind[k] == "range" || fit.kind[k] == "bearing") && fit.stated[k] > 0)
+      wider = std::max(wider, fit.found[k] / fit.stated[k]);
+  if (wider <= kWider) return {Confidence::kHigh};
+  return {
+      AtMost(wider, kWider, kMuchWider),
+      fmt::format("ranges or bearings err by {:.1f} times what is stated, or was expected: is the sensor's "
+                  "mount right?",
+                  wider)};
+}
+
+Verdict::Doubt OfRun(const kinds::LandmarkMap::Fit& fit) {
+  constexpr std::int64_t kLong = 5;
+  if (fit.longest_run.Scalar() < kLong) return {Confidence::kHigh};
+  return {Confidence::kFair,
+          fmt::format("{} in a row do not from {:.1f} s on: were names exchanged, or was a landmark or the "
+                      "robot moved?",
+                      fit.longest_run.Scalar(), fit.longest_run_from_s.Scalar())};
+}
+
+Verdict::Doubt OfJumps(const kinds::LandmarkMap::Fit& fit) {
+  const std::int64_t jumps = fit.odometry_misfits.Or(0);
+  if (jumps == 0) return {Confidence::kHigh};
+  return {Confidence::kFair,
+          fmt::format("odometry does not fit {}, worst at {:.1f} s: did the robot slip, was it carried?",
+                      jumps == 1 ? std::string("once") : fmt::format("{} times", jumps),
+                      fit.worst_odometry_s.Or(0))};
+}
+
+// By how much a scale is off: of one as many times too large as too small.
+double Off(double scale) { return std::abs(std::log(scale)); }
+
+// Of the robot whose scale is furthest off; 1 where none has any.
+struct FurthestScale {
+  std::string robot;
+  double scale = 1;
+};
+
+FurthestScale FindFurthest(const kinds::LandmarkMap& map, Column<double> kinds::LandmarkMap::Robot::* scale,
+                           const char* name, Verdict* verdict) {
+  FurthestScale furthest;
+  bool any = false;
+  for (std::size_t r = 0; r < map.robot.size(); ++r) {
+    const double of_robot = (map.robot[r].*scale).Or(1);
+    any |= static_cast<bool>(map.robot[r].*scale);
+    if (Off(of_robot) > Off(furthest.scale)) furthest = {map.robots[r], of_robot};
+  }
+  if (any) verdict->numbers.emplace_back(name, furthest.scale);
+  return furthest;
+}
+
+// Where odometry's distances are not those of the ranges, either may be the one that is wrong, and the map
+// has the ranges' scale.
+Verdict::Doubt OfDistances(const kinds::LandmarkMap& map, Verdict* verdict) {
+  constexpr double kOff = 0.07, kFarOff = 0.15;
+  const auto [robot, scale] =
+      FindFurthest(map, &kinds::LandmarkMap::Robot::distance_scale, "distance_scale", verdict);
+  const Confidence at_most = AtMost(Off(scale), std::log1p(kOff), std::log1p(kFarOff));
+  if (at_most == Confidence::kHigh) return {at_most};
+  return {at_most,
+          fmt::format("{} has travelled {:.2f} times as far by its ranges as by its odometry: are both in "
+                      "metres and calibrated? The map has the scale of the ranges",
+                      robot, scale)};
+}
+
+// What was found and taken off makes no map worse; but who made the log may want to mend it.
+Verdict::Doubt OfRangeOffsets(const kinds::LandmarkMap& map, Verdict* verdict) {
+  std::string robot;
+  double furthest_m = 0;
+  for (std::size_t r = 0; r < map.robot.size(); ++r) {
+    const double offset_m = map.robot[r].range_offset_m.Or(0);
+    if (std::abs(offset_m) <= std::abs(furthest_m)) continue;
+    robot = map.robots[r];
+    furthest_m = offset_m;
+  }
+  if (furthest_m == 0) return {Confidence::kHigh};
+  verdict->numbers.emplace_back("range_offset_m", furthest_m);
+  return {Confidence::kHigh, fmt::format("the ranges of {} are {:.2f} m too {}, which was taken off", robot,
+                                         std::abs(furthest_m), furthest_m > 0 ? "long" : "short")};
+}
+
+// Turns the observations tell well, whatever odometry says: MRCLAM's robots turn three quarters as far as
+// theirs, and are mapped well.
+Verdict::Doubt OfTurns(const kinds::LandmarkMap& map, Verdict* verdict) {
+  constexpr double kOff = 0.15;
+  const auto [robot, scale] =
+      FindFurthest(map, &kinds::LandmarkMap::Robot::turn_scale, "turn_scale", verdict);
+  if (Off(scale) <= std::log1p(kOff)) return {Confidence::kHigh};
+  return {
+      Confidence::kFair,
+      fmt::format("{} has turned {:.2f} times as far by its observations as by its odometry", robot, scale)};
+}
+
+// Without names only their own agreement tells maps apart: a sensor that errs more than it should, or a path
+// that breaks, weighs more where most starts led to another map.
+Verdict::Doubt WhereStartsDisagree(const kinds::LandmarkMap& map, Verdict::Doubt doubt) {
+  const bool disagree = map.search.support && 2 * map.search.support.Scalar() < map.search.starts.Or(0);
+  if (doubt.text.empty() || !disagree) return doubt;
+  return {Confidence::kLow, doubt.text + "; most starts led to another map"};
+}
+
+// Of landmarks that observations name there is no search: the fit of the least squares is what the verdict
+// rests on. Else it may lower what the search says.
+void JudgeFit(const kinds::LandmarkMap& map, double explained_share, Verdict* verdict) {
+  constexpr std::int64_t kMany = 50;
+  constexpr double kNearlyAll = 0.9;
+  const kinds::LandmarkMap::Fit& fit = map.fit;
+  if (!fit.observations) return;
+  const std::int64_t observations = fit.observations.Scalar(), misfits = fit.misfits.Scalar();
+  verdict->numbers.emplace_back("observations_fitted", static_cast<double>(observations));
+  verdict->numbers.emplace_back("misfits", static_cast<double>(misfits));
+  verdict->numbers.emplace_back("misfits_in_a_row", static_cast<double>(fit.longest_run.Scalar()));
+  verdict->numbers.emplace_back("odometry_misfits", static_cast<double>(fit.odometry_misfits.Or(0)));
+  const bool all_named =
+      std::ranges::all_of(map.map.landmark_identity.OrNone(), [](int id) { return id >= 0; });
+  const bool named = !map.search.support && all_named;
+  const bool many = observations >= kMany && explained_share >= kNearlyAll;
+  const Confidence by_number = many ? Confidence::kHigh : Confidence::kFair;
+  verdict->trust = named ? by_number : std::min(verdict->trust, by_number);
+  const std::string fitted = fmt::format("{} observations fit the map", observations - misfits);
+  verdict->why = named ? fitted : verdict->why + "; " + fitted;
+  for (const Verdict::Doubt& doubt :
+       {OfMisfits(fit), WhereStartsDisagree(map, OfWidths(fit)), WhereStartsDisagree(map, OfRun(fit)),
+        WhereStartsDisagree(map, OfJumps(fit)), OfDistances(map, verdict), OfTurns(map, verdict),
+        OfRangeOffsets(map, verdict)}) {
+    verdict->Add(doubt);
+  }
+}
+
+}  // namespace
+
+Confidence ReadConfidence(const Blob& result) {
+  constexpr std::int32_t kFairSupport = 2, kHighSupport = 3;
+  constexpr double kFairLead = 3.0, kHighLead = 10.0;
+  const auto search = FieldsIn<kinds::LandmarkMap::Search>("search/", result);
+  if (!search.support) return Confidence::kNone;
+  const std::int32_t support = search.support.Scalar();
+  const double lead = search.lead_nats.Or(std::numeric_limits<double>::infinity());
+  if (support >= kHighSupport && lead >= kHighLead) return Confidence::kHigh;
+  return support >= kFairSupport && lead >= kFairLead ? Confidence::kFair : Confidence::kLow;
+}
+
+std::string NotRefined(const Blob& result) {
+  const Texts reason = Texts::In(result, "refinement/reason");
+  return reason ? reason.Scalar() : "";
+}
+
+bool RefinementRefused(const Blob& result) { return NotRefined(result).starts_with("refused"); }
+
+Verdict LandmarkMapVerdict(const Blob& result) {
+  const auto map = Read<kinds::LandmarkMap>(result);
+  Verdict verdict = SearchVerdict(result, map.fit.observations.Or(0) > 0);
+  std::size_t observations = 0, explained = 0;
+  for (const auto& robot : map.robot) {
+    observations += robot.map_landmark.OrNone().size();
+    for (const std::int32_t landmark : robot.map_landmark.OrNone()) explained += landmark >= 0;
+  }
+  verdict.AddCount("observations", observations);
+  verdict.AddCount("observations_explained", explained);
+  const auto all = static_cast<double>(std::max<std::size_t>(1, observations));
+  JudgeFit(map, static_cast<double>(explained) / all, &verdict);
+  if (explained < observations)
+    verdict.why +=
+        fmt::format("; {} of {} observations {} of none of its landmarks", observations - explained,
+                    observations, observations - explained == 1 ? "is" : "are");
+  if (const std::string moved = MovedText(result); !moved.empty()) {
+    verdict.trust = std::min(verdict.trust, Confidence::kFair);
+    verdict.why += "; " + moved;
+  }
+  if (RefinementRefused(result))
+    verdict.why += "; refinement was " + NotRefined(result) + ", the landmarks stand where EM left them";
+  return verdict;
+}
+
+}  // namespace cairn::datasets

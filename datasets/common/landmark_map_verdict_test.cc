@@ -1,0 +1,225 @@
+#include "datasets/common/landmark_map_verdict.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "schema/kinds/landmark_map.h"
+
+namespace cairn::datasets {
+namespace {
+
+Blob Searched(int support, double lead_nats) {
+  Blob result;
+  result.PutScalar<std::int32_t>("search/support", support);
+  result.PutScalar<std::int32_t>("search/starts", 12);
+  result.PutScalar<double>("search/lead_nats", lead_nats);
+  result.Put("search/unlike", Array::Texts({}));
+  return result;
+}
+
+std::string TextOf(const Blob& result) { return LandmarkMapVerdict(result).Text(); }
+
+TEST(LandmarkMapVerdict, StatesARateOnlyOfWhatItWasMeasuredOn) {
+  Blob result = Searched(7, 164.8);
+  result.Put("search/unlike", Array::Texts({"it has 4 robots", "the option revise is not the default"}));
+  EXPECT_EQ(
+      TextOf(result),
+      "not known: found from 7 of 12 starts, 164.8 nats ahead of the next different map; how often such "
+      "maps are right was not measured (it has 4 robots, the option revise is not the default)");
+  for (const std::string& text : {TextOf(result), TextOf(result.Without("search/unlike"))}) {
+    EXPECT_EQ(text.find("right in"), std::string::npos) << text;
+    EXPECT_EQ(text.find("high"), std::string::npos) << text;
+  }
+}
+
+TEST(LandmarkMapVerdict, IsHighWhereManyStartsFoundTheMapAndItIsFarAhead) {
+  EXPECT_EQ(
+      TextOf(Searched(3, 57.25)),
+      "high: right in 99 of 100 such simulations; found from 3 of 12 starts, 57.2 nats ahead of the next "
+      "different map");
+  EXPECT_EQ(TextOf(Searched(7, 4.5)),
+            "fair: right in 9 of 10 such simulations; found from 7 of 12 starts, 4.5 nats ahead of the next "
+            "different map");
+  EXPECT_EQ(TextOf(Searched(1, 102.0)),
+            "low: right in 3 of 10 such simulations; found from 1 of 12 starts, 102.0 nats ahead of the next "
+            "different map");
+}
+
+TEST(LandmarkMapVerdict, IsNeverHighWhereALandmarkWasMovedAndNamesIt) {
+  Blob result = Searched(3, 57.25);
+  result.Put("landmarks", Array::Texts({"door", "bin"}));
+  result.PutVector("moved/landmark", std::vector<std::int32_t>{1});
+  result.PutVector("moved/until_s", std::vector<double>{298.25});
+  result.PutVector("moved/from_s", std::vector<double>{310});
+  result.PutVector("moved/left_out", std::vector<std::int64_t>{22});
+  result.PutVector("moved/later_left_out", std::vector<std::uint8_t>{1});
+  const std::string text = TextOf(result);
+  EXPECT_TRUE(text.starts_with("fair: ")) << text;
+  EXPECT_TRUE(text.ends_with(
+      "; landmark 'bin' was moved between 298.2 and 310.0 s: the 22 observations after that are left out; "
+      "give it another name from 310.0 s on, and it is mapped in both places"))
+      << text;
+}
+
+TEST(ReadConfidence, NeedsBothStartsThatAgreeAndALead) {
+  EXPECT_EQ(ReadConfidence(Searched(3, 10.0)), Confidence::kHigh);
+  EXPECT_EQ(ReadConfidence(Searched(3, 9.9)), Confidence::kFair);
+  EXPECT_EQ(ReadConfidence(Searched(2, 99.0)), Confidence::kFair);
+  EXPECT_EQ(ReadConfidence(Searched(2, 3.0)), Confidence::kFair);
+  EXPECT_EQ(ReadConfidence(Searched(9, 2.9)), Confidence::kLow);
+  EXPECT_EQ(ReadConfidence(Searched(1, 99.0)), Confidence::kLow);
+}
+
+TEST(LandmarkMapVerdict, StartsThatAgreeAndASingleStart) {
+  EXPECT_EQ(TextOf(Searched(12, 1.0).Without("search/lead_nats")),
+            "high: right in 99 of 100 such simulations; found from 12 of 12 starts, no other map was found");
+  Blob once;
+  once.PutScalar<std::int32_t>("search/support", 1);
+  once.PutScalar<std::int32_t>("search/starts", 1);
+  EXPECT_EQ(TextOf(once), "not known: EM started once, no other map to compare with");
+  once.Put("search/why", Array::Text("as many as were asked for"));
+  EXPECT_EQ(TextOf(once),
+            "not known: EM started once, no other map to compare with (as many as were asked for)");
+  EXPECT_EQ(TextOf(Blob()), "not known: there was no search");
+}
+
+TEST(LandmarkMapVerdict, AFileThatHoldsSomethingElseStatesNone) {
+  Blob result;
+  result.Put("search/support", Array::Text("three"));
+  EXPECT_EQ(ReadConfidence(result), Confidence::kNone);
+  result.PutVector<double>("search/support", {3.0, 4.0});
+  EXPECT_EQ(ReadConfidence(result), Confidence::kNone);
+}
+
+// With so many of `observations` misfits, and a map whose landmarks have names.
+Blob FittedMap(std::int64_t observations, std::int64_t misfits, std::int64_t run, std::int64_t jumps,
+               double worst_sigmas = 4, double range_found_m = 0.1) {
+  kinds::LandmarkMap map;
+  map.robots = std::vector<std::string>{"robot"};
+  map.robot.resize(1);
+  map.robot[0].map_landmark = std::vector<std::int32_t>(static_cast<std::size_t>(observations), 0);
+  map.map.landmark_identity = std::vector<std::int32_t>{0};
+  map.fit.observations = observations;
+  map.fit.misfits = misfits;
+  map.fit.longest_run = run;
+  map.fit.longest_run_from_s = 12.5;
+  map.fit.odometry_misfits = jumps;
+  map.fit.worst_odometry_s = 20.0;
+  map.fit.worst_sigmas = std::vector<double>{worst_sigmas};
+  map.fit.worst_time_s = std::vector<double>{7.0};
+  map.fit.kind = std::vector<std::string>{"range"};
+  map.fit.stated = std::vector<double>{0.1};
+  map.fit.found = std::vector<double>{range_found_m};
+  return BlobOf(map);
+}
+
+// Whichever of both says less.
+TEST(LandmarkMapVerdict, OfLandmarksWithoutNamesAtADistanceTheSearchAndTheFitTell) {
+  const auto searched = [](int support, double lead_nats, Blob map) {
+    map.PutAll("", Searched(support, lead_nats));
+    map.PutVector<std::int32_t>("map/landmark_identity", {-1});
+    map.Put("search/unlike", Array::Texts({"landmarks are seen at a distance"}));
+    return LandmarkMapVerdict(map);
+  };
+  const Verdict agreed = searched(5, 57.25, FittedMap(200, 1, 1, 0));
+  EXPECT_EQ(agreed.trust, Confidence::kFair) << "never high";
+  EXPECT_EQ(agreed.why.find("found from 5 of 12 starts, 57.2 nats ahead of the next different map; 199 "
+                            "observations fit the map; 1 of"),
+            0U)
+      << agreed.why;
+  EXPECT_EQ(searched(1, 57.25, FittedMap(200, 1, 1, 0)).trust, Confidence::kLow);
+  EXPECT_EQ(searched(5, 2.0, FittedMap(200, 1, 1, 0)).trust, Confidence::kLow);
+  EXPECT_EQ(searched(5, 57.25, FittedMap(200, 10, 1, 0)).trust, Confidence::kFair);
+  EXPECT_EQ(searched(5, 57.25, FittedMap(200, 50, 4, 0)).trust, Confidence::kLow);
+  EXPECT_EQ(searched(7, 57.25, FittedMap(200, 0, 0, 0, 4, 0.2)).trust, Confidence::kFair);
+  const Verdict few = searched(5, 57.25, FittedMap(200, 0, 0, 0, 4, 0.2));
+  EXPECT_EQ(few.trust, Confidence::kLow) << "of 12 starts, and ranges err twice as much";
+  EXPECT_NE(few.why.find("; most starts led to another map"), std::string::npos) << few.why;
+  const Verdict carried = searched(5, 57.25, FittedMap(200, 0, 0, 1));
+  EXPECT_EQ(carried.trust, Confidence::kLow) << "of 12 starts, and the path breaks";
+  EXPECT_NE(carried.why.find("was it carried?; most starts led to another map"), std::string::npos)
+      << carried.why;
+  EXPECT_EQ(searched(5, 57.25, FittedMap(200, 6, 6, 0)).trust, Confidence::kLow);
+  EXPECT_EQ(searched(7, 57.25, FittedMap(200, 0, 0, 1)).trust, Confidence::kFair);
+}
+
+TEST(LandmarkMapVerdict, OfNamedLandmarksTheFitTells) {
+  EXPECT_EQ(
+      TextOf(FittedMap(200, 1, 1, 0)),
+      "high: 199 observations fit the map; 1 of 200 observations does not fit the map, the worst is 4.0 "
+      "standard deviations off, at 7.0 s");
+  EXPECT_EQ(LandmarkMapVerdict(FittedMap(20, 0, 0, 0)).trust, Confidence::kFair) << "too few to tell";
+  EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 10, 1, 0)).trust, Confidence::kFair);
+  EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 50, 4, 0)).trust, Confidence::kLow);
+  EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 1, 1, 0, 7)).trust, Confidence::kFair) << "one is far off";
+  EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 0, 0, 0, 4, 0.2)).trust, Confidence::kFair)
+      << "ranges err twice as much";
+  EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 0, 0, 0, 4, 0.5)).trust, Confidence::kLow)
+      << "five times as much: of this sensor nothing is known";
+  const Verdict moved = LandmarkMapVerdict(FittedMap(200, 6, 6, 0));
+  EXPECT_EQ(moved.trust, Confidence::kFair);
+  EXPECT_NE(moved.why.find("6 in a row do not from 12.5 s on"), std::string::npos) << moved.why;
+  const Verdict slipped = LandmarkMapVerdict(FittedMap(200, 0, 0, 1));
+  EXPECT_EQ(slipped.trust, Confidence::kFair);
+  EXPECT_NE(slipped.why.find("odometry does not fit once, worst at 20.0 s"), std::string::npos)
+      << slipped.why;
+}
+
+// Ranges in another unit than odometry, or one of both not calibrated: everything fits, in a wrong scale.
+TEST(LandmarkMapVerdict, OdometryOfAnotherScaleThanTheRangesIsNamed) {
+  const auto scaled = [](double distances, double turns) {
+    Blob map = FittedMap(200, 0, 0, 0);
+    map.PutScalar<double>("robot/0/distance_scale", distances);
+    map.PutScalar<double>("robot/0/turn_scale", turns);
+    return LandmarkMapVerdict(map);
+  };
+  EXPECT_EQ(scaled(1.05, 0.98).trust, Confidence::kHigh);
+  for (const double off : {1 / 1.1, 1.1}) EXPECT_EQ(scaled(off, 1).trust, Confidence::kFair);
+  for (const double off : {0.75, 1.4}) {
+    EXPECT_EQ(scaled(off, 1).trust, Confidence::kLow);
+    EXPECT_EQ(scaled(1, off).trust, Confidence::kFair) << "of turns the observations tell enough";
+  }
+  const Verdict far = scaled(1.4, 1.02);
+  EXPECT_NE(far.why.find("has travelled 1.40 times as far by its ranges as by its odometry"),
+            std::string::npos)
+      << far.why;
+  EXPECT_NE(scaled(1, 0.8).why.find("has turned 0.80 times as far"), std::string::npos);
+}
+
+TEST(LandmarkMapVerdict, ConstantErrorsOfRangesAreSaid) {
+  Blob map = FittedMap(200, 0, 0, 0);
+  map.PutScalar<double>("robot/0/range_offset_m", -0.25);
+  EXPECT_EQ(
+      TextOf(map),
+      "high: 200 observations fit the map; the ranges of robot are 0.25 m too short, which was taken off");
+}
+
+TEST(LandmarkMapVerdict, SaysWhatItsLandmarksDoNotExplain) {
+  Blob result = Searched(5, 20);
+  result.PutVector<std::int32_t>("robot/0/observations/map_landmark", {0, -1, 1, -1, -1});
+  result.Put("robots", Array::Texts({"robot"}));
+  EXPECT_NE(TextOf(result).find("; 3 of 5 observations are of none of its landmarks"), std::string::npos)
+      << TextOf(result);
+}
+
+TEST(NotRefined, SaysWhyAndWhetherItWasRefused) {
+  Blob result;
+  EXPECT_EQ(NotRefined(result), "") << "older files do not say";
+  result.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
+  EXPECT_EQ(NotRefined(result), "refused: the least squares has no solution");
+  EXPECT_TRUE(RefinementRefused(result));
+  result.Put("refinement/reason", Array::Text("not tried: refine=false"));
+  EXPECT_EQ(NotRefined(result), "not tried: refine=false");
+  EXPECT_FALSE(RefinementRefused(result));
+  result.Put("refinement/reason", Array::Text(""));
+  EXPECT_EQ(NotRefined(result), "");
+  EXPECT_FALSE(RefinementRefused(result));
+  result.PutVector<double>("refinement/reason", {1.0});
+  EXPECT_EQ(NotRefined(result), "") << "a file may hold anything";
+}
+
+}  // namespace
+}  // namespace cairn::datasets

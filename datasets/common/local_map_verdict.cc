@@ -1,0 +1,251 @@
+#include "datasets/common/local_map_verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "datasets/common/wall_turns.h"
+#include "schema/kinds/local_map.h"
+
+namespace cairn::datasets {
+namespace {
+
+constexpr std::int32_t kLoop = 2;  // LocalMap::Connections::kind
+
+// From when to when, in seconds.
+using Span = std::pair<double, double>;
+
+struct WeakestTime {
+  double time_s = 0;
+  std::size_t spans = 0;  // that go over it
+};
+
+// A loop that the path follows: from when to when, and along which axes it tells how far both lie apart.
+struct Tie {
+  Span span;
+  bool x = true, y = true;
+};
+
+// Of the time from the first span's start to the last one's end, without a tenth at either end.
+WeakestTime FindWeakestTime(const std::vector<Span>& spans) {
+  constexpr double kEnds = 0.1;
+  std::vector<std::pair<double, int>> changes;
+  double first_s = spans.front().first, last_s = spans.front().second;
+  for (const auto& [from_s, to_s] : spans) {
+    changes.emplace_back(from_s, 1);
+    changes.emplace_back(to_s, -1);
+    first_s = std::min(first_s, from_s);
+    last_s = std::max(last_s, to_s);
+  }
+  std::ranges::sort(changes);
+  const double begin_s = std::lerp(first_s, last_s, kEnds), end_s = std::lerp(first_s, last_s, 1 - kEnds);
+  WeakestTime weakest{begin_s, spans.size()};
+  std::ptrdiff_t over = 0;
+  for (std::size_t i = 0; i + 1 < changes.size(); ++i) {
+    over += changes[i].second;
+    const bool within = changes[i + 1].first > begin_s && changes[i].first < end_s;
+    if (!within || changes[i].first == changes[i + 1].first ||
+        static_cast<std::size_t>(over) >= weakest.spans)
+      continue;
+    weakest = {std::max(begin_s, changes[i].first), static_cast<std::size_t>(over)};
+  }
+  return weakest;
+}
+
+// Of those that tell the distance along that axis which fewer tell.
+WeakestTime FindWeakestAxis(const std::vector<Tie>& ties) {
+  WeakestTime weakest{0, ties.size()};
+  for (const bool Tie::* axis : {&Tie::x, &Tie::y}) {
+    std::vector<Span> spans;
+    for (const Tie& tie : ties)
+      if (tie.*axis) spans.push_back(tie.span);
+    const WeakestTime time = spans.empty() ? WeakestTime{ties.front().span.first, 0} : FindWeakestTime(spans);
+    if (time.spans < weakest.spans) weakest = time;
+  }
+  return weakest;
+}
+
+// What a robot travels before its first loop or after its last, where nothing checks the path.
+struct Untied {
+  double travelled_m = 0, from_s = 0, until_s = 0;
+  bool is_long = false;  // for its whole path
+};
+
+Untied LongestUntied(const kinds::LocalMap& map, const std::vector<std::vector<Tie>>& closed) {
+  constexpr double kLong_m = 20, kLongShare = 0.1;
+  Untied longest;
+  for (std::size_t r = 0; r < map.robot.size(); ++r) {
+    const kinds::PoseTable& poses = map.robot[r].poses;
+    double first_s = HUGE_VAL, last_s = -HUGE_VAL;
+    for (const Tie& tie : closed[r]) {
+      first_s = std::min(first_s, tie.span.first);
+      last_s = std::max(last_s, tie.span.second);
+    }
+    double before_m = 0, after_m = 0, all_m = 0;
+    for (std::size_t i = 1; i < poses.time_s.OrNone().size(); ++i) {
+      const double step_m = std::hypot(poses.x_m[i] - poses.x_m[i - 1], poses.y_m[i] - poses.y_m[i - 1]);
+      all_m += step_m;
+      if (poses.time_s[i] <= first_s) before_m += step_m;
+      if (poses.time_s[i - 1] >= last_s) after_m += step_m;
+    }
+    const double most_m = std::max(before_m, after_m);
+    if (most_m <= longest.travelled_m) continue;
+    const double begin_s = poses.time_s.front(), end_s = poses.time_s.back();
+    longest = {.travelled_m = most_m,
+               .from_s = after_m >= before_m ? std::max(begin_s, last_s) : begin_s,
+               .until_s = after_m >= before_m ? end_s : std::min(end_s, first_s),
+               .is_long = most_m > std::max(kLong_m, kLongShare * all_m)};
+  }
+  return longest;
+}
+
+constexpr double kFarTurnScale = 0.1;  // no wheels make that much too much of turns
+
+// How odometry contradicts the right angles of walls.
+std::string OtherwiseText(const WallTurns& turns) {
+  if (turns.places > 0)
+    return fmt::format("{} odometry turns by {:.0f} degrees otherwise",
+                       turns.places == 1 ? "once" : std::to_string(turns.places) + " times",
+                       turns.place_rad * 180 / std::numbers::pi);
+  if (std::abs(turns.turn_scale) > kFarTurnScale)
+    return fmt::format("odometry's turns would be {:.0f}% off", 100 * std::abs(turns.turn_scale));
+  return "odometry turns otherwise each time a place is passed";
+}
+
+// The path takes all walls to stand along two directions at right angles: loops are found on it, and close on
+// a map that is bent, too.
+Verdict::Doubt OfWalls(const WallTurns& turns) {
+  constexpr double kScale = 0.05, kRadian = std::numbers::pi / 180;
+  constexpr double kSteps_rad = 3 * kRadian, kSteps = 4, kAlike = 0.5, kAlike_rad = 1 * kRadian,
+                   kOthers = 0.4;
+  constexpr std::size_t kPairs = 50;
+  if (turns.path_m == 0) return {Confidence::kHigh};
+  const bool bends = turns.pairs >= kPairs && turns.alike > kAlike && turns.alike_rad > kAlike_rad;
+  const bool steps = turns.rms_rad > std::max(kSteps_rad, kSteps * turns.sd_rad);
+  if (bends || steps || std::abs(turns.turn_scale) > kFarTurnScale)
+    return {Confidence::kLow, "walls were taken to stand at right angles, but " + OtherwiseText(turns)};
+  if (turns.other_share > kOthers)
+    return {
+        Confidence::kLow,
+        fmt::format("{:.0f}% of the scans see hardly any of the walls at right angles that the path rests on",
+                    100 * turns.other_share)};
+  if (std::abs(turns.turn_scale) > kScale)
+    return {Confidence::kFair, fmt::format("odometry's turns are {:.0f}% off, if walls stand at right angles",
+                                           100 * std::abs(turns.turn_scale))};
+  return {Confidence::kHigh};
+}
+
+// The loops of a path, and those of them that each robot's path follows.
+struct Loops {
+  std::size_t all = 0, contradicted = 0;
+  std::vector<std::vector<Tie>> closed;
+};
+
+Loops LoopsOf(const kinds::LocalMap& map) {
+  Loops loops;
+  loops.closed.resize(map.robot.size());
+  const auto tells_x = map.connections.tells_x.OrNone(), tells_y = map.connections.tells_y.OrNone();
+  for (std::size_t i = 0; i < map.connections.kind.OrNone().size(); ++i) {
+    if (map.connections.kind[i] != kLoop) continue;
+    ++loops.all;
+    loops.contradicted += map.connections.used[i] == 0;
+    const auto trace = static_cast<std::size_t>(map.connections.from[i]);
+    const auto robot = static_cast<std::size_t>(map.traces.robot[trace]);
+    if (map.connections.used[i] != 0 && robot < loops.closed.size())
+      loops.closed[robot].push_back({std::minmax(map.connections.from_s[i], map.connections.to_s[i]),
+                                     tells_x.empty() || tells_x[i] != 0, tells_y.empty() || tells_y[i] != 0});
+  }
+  return loops;
+}
+
+// Of all robots' paths the times over which the fewest loops go, and the fewest that tell how far along an
+// axis.
+struct Weakest {
+  WeakestTime time, along_axis;
+};
+
+Weakest FindWeakest(const Loops& loops) {
+  Weakest weakest{{0, loops.all}, {0, loops.all}};
+  for (const std::vector<Tie>& of_robot : loops.closed) {
+    if (of_robot.empty()) continue;
+    std::vector<Span> spans;
+    for (const Tie& tie : of_robot) spans.push_back(tie.span);
+    if (const WeakestTime time = FindWeakestTime(spans); time.spans < weakest.time.spans) weakest.time = time;
+    if (const WeakestTime time = FindWeakestAxis(of_robot); time.spans < weakest.along_axis.spans)
+      weakest.along_axis = time;
+  }
+  return weakest;
+}
+
+constexpr std::size_t kHighTies = 20, kFairTies = 5, kHighTiesAlongAxis = 10;
+
+Confidence TrustIn(const Loops& loops, const Weakest& weakest, const Untied& untied) {
+  if (5 * loops.contradicted > loops.all || weakest.time.spans < kFairTies) return Confidence::kLow;
+  const bool high = weakest.time.spans >= kHighTies && weakest.along_axis.spans >= kHighTiesAlongAxis &&
+                    50 * loops.contradicted <= loops.all && !untied.is_long;
+  return high ? Confidence::kHigh : Confidence::kFair;
+}
+
+std::string LoopsText(const Loops& loops, const Weakest& weakest, const Untied& untied) {
+  std::string text = loops.contradicted == 0
+                         ? fmt::format("the path closes all of {} loops", loops.all)
+                         : fmt::format("{} of {} loops contradict the path", loops.contradicted, loops.all);
+  if (untied.is_long)
+    text += fmt::format(
+        "; from {:.0f} to {:.0f} s, over {:.0f} m, no place is recognised, and nothing checks the path",
+        untied.from_s, untied.until_s, untied.travelled_m);
+  if (weakest.time.spans < kHighTies)
+    text += fmt::format(
+        "; what comes after {:.0f} s hangs on {} of them, and where a robot slipped or was carried nothing "
+        "else says so",
+        weakest.time.time_s, weakest.time.spans);
+  else if (weakest.along_axis.spans < kHighTiesAlongAxis)
+    text += fmt::format(
+        "; along one direction, as of a blank corridor, what comes after {:.0f} s hangs on {} of them, and "
+        "where a robot slipped that way nothing else says so",
+        weakest.along_axis.time_s, weakest.along_axis.spans);
+  return text;
+}
+
+void JudgeWalls(const kinds::LocalMap& map, Verdict* verdict) {
+  for (std::size_t r = 0; r < map.robot.size(); ++r) {
+    const WallTurns turns = FindWallTurns(map.robot[r]);
+    verdict->numbers.emplace_back("walls_turn_scale", turns.turn_scale);
+    verdict->numbers.emplace_back("walls_turns_rms_rad", turns.rms_rad);
+    verdict->numbers.emplace_back("walls_turns_alike", turns.alike);
+    verdict->AddCount("walls_turns_places", turns.places);
+    verdict->Add(OfWalls(turns));
+  }
+}
+
+}  // namespace
+
+Verdict LocalMapVerdict(const Blob& result) {
+  const auto map = Read<kinds::LocalMap>(result);
+  const Loops loops = LoopsOf(map);
+  Verdict verdict;
+  verdict.AddCount("loops", loops.all);
+  verdict.AddCount("loops_contradicted", loops.contradicted);
+  if (loops.all == loops.contradicted) {
+    verdict.why = "no place was recognised twice, so nothing checks the path";
+    return verdict;
+  }
+  const Weakest weakest = FindWeakest(loops);
+  verdict.AddCount("loops_over_weakest_time", weakest.time.spans);
+  verdict.AddCount("loops_along_weakest_axis", weakest.along_axis.spans);
+  const Untied untied = LongestUntied(map, loops.closed);
+  verdict.numbers.emplace_back("untied_m", untied.travelled_m);
+  verdict.trust = TrustIn(loops, weakest, untied);
+  verdict.why = LoopsText(loops, weakest, untied);
+  JudgeWalls(map, &verdict);
+  return verdict;
+}
+
+}  // namespace cairn::datasets

@@ -1,0 +1,17 @@
+// How far a local_map can be trusted.
+#pragma once
+
+#include "datasets/common/verdict.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+// Of a local_map: how many loops its path closes, how many contradict it, and how many go over the time over
+// which the fewest do, for where a robot slipped or was carried what is before and after hangs together by
+// chance alone (ends left out). High: 20 loops over every time, ten of which tell how far along each axis, at
+// most a fiftieth contradict the path. Low: fewer than five, or more than a fifth, or walls that do not stand
+// at right angles as the path supposes (wall_turns.h). How often each was right on simulated offices
+// pipelines/local_map/EXPERIMENTS.md says. Not known where no loop was found.
+Verdict LocalMapVerdict(const Blob& result);
+
+}  // namespace cairn::datasets

@@ -1,0 +1,124 @@
+#include "datasets/common/local_map_verdict.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "schema/kinds/local_map.h"
+
+namespace cairn::datasets {
+namespace {
+
+// Of one robot's trace: loops from the first time to the second.
+Blob LocalMapOf(const std::vector<std::pair<double, double>>& loops, std::size_t contradicted = 0) {
+  kinds::LocalMap map;
+  map.robots = std::vector<std::string>{"robot"};
+  map.robot.resize(1);
+  map.traces.robot = std::vector<std::int32_t>{0};
+  std::vector<std::int32_t> trace(loops.size(), 0), kind(loops.size(), 2);
+  std::vector<double> from_s, to_s;
+  std::vector<std::uint8_t> used(loops.size(), 1);
+  for (const auto& [from, to] : loops) {
+    from_s.push_back(from);
+    to_s.push_back(to);
+  }
+  for (std::size_t i = 0; i < contradicted; ++i) used[i] = 0;
+  map.connections.from = map.connections.to = trace;
+  map.connections.kind = kind;
+  map.connections.from_s = from_s;
+  map.connections.to_s = to_s;
+  map.connections.used = used;
+  return BlobOf(map);
+}
+
+std::vector<std::pair<double, double>> Loops(int count, double from_s, double to_s) {
+  std::vector<std::pair<double, double>> loops;
+  for (int i = 0; i < count; ++i) loops.emplace_back(from_s, to_s);
+  return loops;
+}
+
+TEST(LocalMapVerdict, ManyLoopsThatAgreeAreTrusted) {
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(Loops(20, 1, 9))).Text(), "high: the path closes all of 20 loops");
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(Loops(19, 9, 1))).trust, Confidence::kFair);
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(Loops(4, 1, 9))).trust, Confidence::kLow);
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(Loops(100, 1, 9), 2)).trust, Confidence::kHigh);
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(Loops(100, 1, 9), 3)).trust, Confidence::kFair);
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(Loops(100, 1, 9), 21)).Text(),
+            "low: 21 of 100 loops contradict the path");
+}
+
+TEST(LocalMapVerdict, ATimeThatFewLoopsGoOverIsNamed) {
+  auto loops = Loops(30, 1, 50);
+  const auto later = Loops(30, 60, 100);
+  loops.insert(loops.end(), later.begin(), later.end());
+  const Verdict untied = LocalMapVerdict(LocalMapOf(loops));
+  EXPECT_EQ(untied.trust, Confidence::kLow);
+  EXPECT_NE(untied.why.find("what comes after 50 s hangs on 0 of them"), std::string::npos) << untied.why;
+  for (int i = 0; i < 5; ++i) loops.emplace_back(100, 1);
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(loops)).trust, Confidence::kFair);
+  for (int i = 0; i < 15; ++i) loops.emplace_back(40, 61);
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(loops)).trust, Confidence::kHigh);
+  // Those that the others contradict tie nothing.
+  std::ranges::rotate(loops, loops.end() - 20);
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(loops, 1)).trust, Confidence::kFair);
+}
+
+// Up and down a blank corridor: all loops tell the distance to its walls, few how far along it they are.
+TEST(LocalMapVerdict, LoopsThatTellTheDistanceAcrossAloneTieNothingAlong) {
+  for (const char* axis : {"connections/tells_x", "connections/tells_y"}) {
+    Blob map = LocalMapOf(Loops(100, 1, 50));
+    for (const char* other : {"connections/tells_x", "connections/tells_y"})
+      map.PutVector<std::uint8_t>(other, std::vector<std::uint8_t>(100, 1));
+    EXPECT_EQ(LocalMapVerdict(map).trust, Confidence::kHigh);
+    std::vector<std::uint8_t> tells(100, 0);
+    map.PutVector<std::uint8_t>(axis, tells);
+    EXPECT_EQ(LocalMapVerdict(map).Text(),
+              "fair: the path closes all of 100 loops; along one direction, as of a blank corridor, what "
+              "comes after "
+              "1 s hangs on 0 of them, and where a robot slipped that way nothing else says so");
+    for (std::size_t i = 0; i < 9; ++i) tells[i] = 1;
+    map.PutVector<std::uint8_t>(axis, tells);
+    EXPECT_EQ(LocalMapVerdict(map).trust, Confidence::kFair);
+    tells[9] = 1;
+    map.PutVector<std::uint8_t>(axis, tells);
+    EXPECT_EQ(LocalMapVerdict(map).trust, Confidence::kHigh);
+  }
+}
+
+TEST(LocalMapVerdict, ALongWayAfterTheLastLoopIsNamed) {
+  const auto verdict_of = [](double after_m) {
+    Blob map = LocalMapOf(Loops(30, 1, 50));
+    kinds::PoseTable poses;
+    poses.Set({0, 50, 60}, {Pose{0, 0, 0}, Pose{100, 0, 0}, Pose{100 + after_m, 0, 0}});
+    map.PutAll("robot/0/poses/", BlobOf(poses));
+    return LocalMapVerdict(map);
+  };
+  EXPECT_EQ(verdict_of(15).trust, Confidence::kHigh);
+  EXPECT_EQ(verdict_of(30).Text(),
+            "fair: the path closes all of 30 loops; from 50 to 60 s, over 30 m, no place is recognised, and "
+            "nothing "
+            "checks the path");
+}
+
+TEST(LocalMapVerdict, ARobotWithoutALoopIsNamedBesideOneWithMany) {
+  Blob map = LocalMapOf(Loops(30, 1, 50));
+  map.Put("robots", Array::Texts({"a", "b"}));
+  kinds::PoseTable poses;
+  poses.Set({3, 9}, {Pose{0, 0, 0}, Pose{40, 0, 0}});
+  map.PutAll("robot/1/poses/", BlobOf(poses));
+  EXPECT_EQ(LocalMapVerdict(map).trust, Confidence::kFair);
+  EXPECT_NE(LocalMapVerdict(map).why.find("from 3 to 9 s, over 40 m"), std::string::npos)
+      << LocalMapVerdict(map).why;
+}
+
+TEST(LocalMapVerdict, WithoutALoopNothingIsKnown) {
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf({})).Text(),
+            "not known: no place was recognised twice, so nothing checks the path");
+}
+
+}  // namespace
+}  // namespace cairn::datasets
