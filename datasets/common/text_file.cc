@@ -115,6 +115,20 @@ void BadLines::Add(const std::string& file, std::size_t line, const std::string&
                      (may_skip_ ? " (--skip-bad skips such lines and counts them)" : ""));
   }
   ++counts_[reason];
+  SkippedLines& lines = lines_[file];
+  if (++lines.count <= static_cast<std::int64_t>(SkippedLines::kMostShown)) lines.first.push_back(line);
+}
+
+SkippedLines BadLines::SkippedOf(const std::string& file) const {
+  const auto lines = lines_.find(file);
+  return lines == lines_.end() ? SkippedLines() : lines->second;
+}
+
+std::string SkippedLines::Text() const {
+  std::string text = count == 1 ? "line " : "lines ";
+  for (std::size_t i = 0; i < first.size(); ++i) text += (i == 0 ? "" : ", ") + std::to_string(first[i]);
+  const std::int64_t more = count - static_cast<std::int64_t>(first.size());
+  return more > 0 ? text + " and " + std::to_string(more) + " more" : text;
 }
 
 std::string_view Trim(std::string_view text) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace cairn::datasets {
 
@@ -47,6 +48,14 @@ class Lines {
 // What a message shows of a text of a file: all of it, or 500 bytes.
 std::string Excerpt(std::string_view text);
 
+// Lines of a file that were skipped: how many, and where the first of them stand.
+struct SkippedLines {
+  static constexpr std::size_t kMostShown = 5;
+  std::int64_t count = 0;
+  std::vector<std::size_t> first;
+  std::string Text() const;  // "line 4", "lines 4, 9", "lines 4, 9, 12, 13, 20 and 3 more"
+};
+
 // What to do with a line that cannot be used: stop, or skip and count.
 class BadLines {
  public:
@@ -57,10 +66,12 @@ class BadLines {
   void Add(const std::string& file, std::size_t line, const std::string& reason, const std::string& detail);
   bool skips() const { return skip_; }
   const std::map<std::string, std::int64_t>& counts() const { return counts_; }
+  SkippedLines SkippedOf(const std::string& file) const;
 
  private:
   bool skip_, may_skip_;
   std::map<std::string, std::int64_t> counts_;
+  std::map<std::string, SkippedLines> lines_;  // by file
 };
 
 std::string_view Trim(std::string_view text);

@@ -12,6 +12,7 @@
 #include "datasets/evaluate/matching/associations.h"
 #include "datasets/evaluate/track.h"
 #include "schema/kinds/provenance.h"
+#include "schema/name_list.h"
 
 namespace cairn::datasets {
 namespace {
@@ -61,8 +62,8 @@ class Evaluator {
     }
     const std::vector<std::string>&robots = result_.robots, &expected = log_.robots;
     if (robots != expected) {
-      throw InputError("the result's robots (" + Joined(robots) + ") are not the log's (" + Joined(expected) +
-                       "): was it made from this log?");
+      throw InputError("the result's robots (" + NameList(robots) + ") are not the log's (" +
+                       NameList(expected) + "): was it made from this log?");
     }
     CheckMadeFrom(result_blob_, log_blob_);
   }
@@ -77,12 +78,6 @@ class Evaluator {
     }
     throw InputError("the result's poses of robot '" + log_.robots[robot] +
                      "' do not have the log's times: was it made from this log?");
-  }
-
-  static std::string Joined(const std::vector<std::string>& texts) {
-    std::string joined;
-    for (const std::string& text : texts) joined += (joined.empty() ? "" : ", ") + text;
-    return joined;
   }
 
   void ReadLandmarks() {
@@ -308,15 +303,20 @@ void AddTrajectories(const Evaluation& evaluation, Scores* scores) {
               evaluation.trajectory_rmse_m ? ", the worst robot" : "unknown: " + evaluation.no_trajectory);
   AddClock(evaluation.other_clock, scores);
   AddFrame("trajectory", evaluation.other_frame, scores);
+  constexpr std::size_t kMostShown = 20;
   std::vector<Scores> robots;
   for (const RobotScore& robot : evaluation.robots) {
     Scores& row = robots.emplace_back();
+    if (robots.size() > kMostShown) row.LeaveToPrograms();
     row.Add("name", robot.name);
     row.Add("rmse_m", OrNone(robot.rmse_m));
     row.Add("heading_rmse_rad", OrNone(robot.heading_rmse_rad));
     row.Add("poses", robot.poses);
   }
+  const std::size_t all = robots.size();
   scores->AddRows("trajectory.robots", std::move(robots));
+  if (all > kMostShown)
+    scores->AddForPeople("trajectory.more_robots", fmt::format("{}; --json has all", all - kMostShown));
 }
 
 void AddTopology(const Evaluation& evaluation, Scores* scores) {

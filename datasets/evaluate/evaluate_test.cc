@@ -288,7 +288,10 @@ TEST(Evaluate, SaysWhatIsWrongWithItsInput) {
   }
   Blob renamed = result;
   renamed.Put("robots", Array::Texts({"b"}));
-  EXPECT_NE(MessageOf(renamed, log).find("(b) are not the log's (a)"), std::string::npos);
+  EXPECT_NE(MessageOf(renamed, log).find("('b') are not the log's ('a')"), std::string::npos);
+  renamed.Put("robots", Array::Texts(std::vector<std::string>(2000, "b")));
+  EXPECT_NE(MessageOf(renamed, log).find("('b', 'b', 'b', 'b', 'b' and 1995 more) are not the log's ('a')"),
+            std::string::npos);
   Blob later = result;
   later.PutVector(
       "robot/0/poses/time_s",
@@ -368,6 +371,20 @@ TEST(EvaluationText, SaysTheMainThings) {
   const std::string text = MakeScores(Evaluate(PerfectLandmarkMap(SquareLog()), SquareLog())).ToText();
   EXPECT_NE(text.find("4 of 4 observed"), std::string::npos);
   EXPECT_NE(text.find("topology.correct                yes"), std::string::npos);
+}
+
+TEST(EvaluationText, OfManyRobotsShowsSomeAndCountsTheOthers) {
+  Evaluation many;
+  for (int r = 0; r < 23; ++r)
+    many.robots.push_back({.name = "r" + std::to_string(r), .rmse_m = 1, .heading_rmse_rad = 0, .poses = 1});
+  const Scores scores = MakeScores(many);
+  const std::string text = scores.ToText();
+  ExpectContains(text, "  r19   1.000");
+  EXPECT_EQ(text.find("  r20 "), std::string::npos) << text;
+  ExpectContains(text, "trajectory.more_robots          3; --json has all\n");
+  EXPECT_EQ(nlohmann::json::parse(scores.ToJson()).at("trajectory").at("robots").size(), 23U);
+  many.robots.resize(20);
+  EXPECT_EQ(MakeScores(many).ToText().find("more_robots"), std::string::npos);
 }
 
 TEST(Evaluate, APrefixIsNotAskedForWhatCameLater) {

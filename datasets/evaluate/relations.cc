@@ -9,6 +9,7 @@
 #include "datasets/common/control.h"
 #include "datasets/common/fields.h"
 #include "schema/error.h"
+#include "schema/name_list.h"
 
 namespace cairn::datasets {
 namespace {
@@ -18,12 +19,10 @@ constexpr double kRelationDegree_rad = std::numbers::pi / 180;
 std::size_t RobotOf(const Blob& blob, const std::string& robot) {
   const std::vector<std::string> robots = blob.Texts("robots");
   if (robot.empty() && robots.size() == 1) return 0;
-  std::string names;
-  for (const std::string& name : robots) names += (names.empty() ? "" : ", ") + name;
   const auto found = std::ranges::find(robots, robot);
   if (found == robots.end())
     throw InputError((robot.empty() ? "which robot? " : "there is no robot '" + robot + "'; there are: ") +
-                     names);
+                     NameList(robots));
   return static_cast<std::size_t>(found - robots.begin());
 }
 

@@ -64,7 +64,7 @@ TEST(Relations, FilesAreReadAndBadLinesNamed) {
 
 TEST(Relations, PosesComeFromMapsTablesScansOrOdometry) {
   EXPECT_EQ(ReadTrajectory(SmallResult(), "Rosa").poses[0].x_m, 0) << "the most likely ones, not the means";
-  ExpectContains(InputErrorOf([] { ReadTrajectory(SmallResult(), ""); }), "which robot? Rosa, ");
+  ExpectContains(InputErrorOf([] { ReadTrajectory(SmallResult(), ""); }), "which robot? 'Rosa', ");
   ExpectContains(InputErrorOf([] { ReadTrajectory(SmallResult(), "Max"); }), "there is no robot 'Max'");
   Blob blob({{"robots", Array::Texts({"a"})}});
   ExpectContains(InputErrorOf([&] { ReadTrajectory(blob, ""); }), "neither poses nor odometry");

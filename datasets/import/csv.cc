@@ -139,10 +139,24 @@ class CsvImport {
     has_robots_ = reader.Has(kRobot);
     skipped.RequireHalf(options_.odometry,
                         reader.header() == 2 ? ReadOdometryPoses(&reader) : ReadOdometryControls(&reader));
+    if (reader.header() == 0) WarnOfLostMotion();
     for (const auto& [robot, digits] : digits_) {
       const std::string doubt = digits.Doubt();
       if (!doubt.empty()) throw InputError(options_.odometry + ": robot '" + robot + "': " + doubt);
     }
+  }
+
+  // Speeds go on until the next row and poses say where the robot is, whatever is left out between them; of
+  // steps each is needed.
+  void WarnOfLostMotion() {
+    const SkippedLines skipped = bad_.SkippedOf(options_.odometry);
+    if (skipped.count == 0) return;
+    const bool one = skipped.count == 1;
+    report_.warnings.push_back(
+        options_.odometry + ": " + std::to_string(skipped.count) +
+        (one ? " row of odometry that tells motion is" : " rows of odometry that tell motion are") +
+        " left out (" + skipped.Text() + "): what " + (one ? "it" : "they") +
+        " told is lost; the path after line " + std::to_string(skipped.first.front()) + " is off by it");
   }
 
   // The number of good rows.

@@ -330,6 +330,44 @@ TEST_F(ImportCsvTest, SkipBadCountsByReasonAndKeepsTheRest) {
   EXPECT_EQ(Column<double>("robot/0/observations/time_s"), (std::vector<double>{1, 2, 2, 2, 3, 3}));
 }
 
+std::string WarningsText(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+// A step that is left out shifts all that comes after it.
+TEST_F(ImportCsvTest, SkippedRowsOfStepsLoseTheirMotionAndThatIsSaid) {
+  options_.skip_bad = true;
+  std::string rows;
+  for (int i = 0; i < 20; ++i) rows += std::to_string(i) + ",a,0,1\n";
+  const auto warnings = [&](const std::string& header, const std::string& bad) {
+    options_.odometry = folder_.Put("o.csv", header + rows + bad);
+    return WarningsText(Import().warnings);
+  };
+  const std::string steps = "time_s,robot,turn_rad,forward_m\n";
+  ExpectContains(warnings(steps, "20,a,x,1\n"),
+                 "o.csv: 1 row of odometry that tells motion is left out (line 22): what it told is lost; "
+                 "the path after line 22 is off by it\n");
+  ExpectContains(warnings(steps, "20,a,x,1\n3,a,0,1\n21,a,0,1\n22,a\n23,a,0,1\n"),
+                 "o.csv: 3 rows of odometry that tell motion are left out (lines 22, 23, 25): what they told "
+                 "is lost; the path after line 22 is off by it\n");
+  ExpectContains(warnings(steps, "x\nx\nx\nx\nx\nx\nx\n"), "(lines 22, 23, 24, 25, 26 and 2 more)");
+  const auto told = [](const std::string& text) { return text.find("motion") != std::string::npos; };
+  EXPECT_FALSE(told(warnings(steps, "")));
+  EXPECT_FALSE(told(warnings("time_s,robot,omega_radps,v_mps\n", "20,a,x,1\n"))) << "speeds go on";
+  rows.clear();
+  for (int i = 0; i < 20; ++i) rows += std::to_string(i) + ",a," + std::to_string(i) + ",0,0\n";
+  EXPECT_FALSE(told(warnings("time_s,robot,x_m,y_m,heading_rad\n", "20,a,x,1,1\n"))) << "poses say where";
+}
+
+// Of observations nothing more is lost than they.
+TEST_F(ImportCsvTest, SkippedObservationsLoseNoMotion) {
+  options_.skip_bad = true;
+  PutObservations("1,Rosa,,,\nx,Rosa,,,\n");
+  EXPECT_EQ(WarningsText(Import().warnings).find("motion"), std::string::npos);
+}
+
 TEST_F(ImportCsvTest, ColumnsLeftOutAreMentioned) {
   options_.odometry = folder_.Put("o.csv", "time_s,robot,turn_rad,forward_m,mood\n1,a,0,1,good\n");
   const ImportReport report = Import();

@@ -5,6 +5,8 @@
 
 #include "pipelines/common/handed_over.h"
 #include "schema/error.h"
+#include "schema/kinds/kind.h"
+#include "schema/name_list.h"
 
 namespace cairn {
 namespace {
@@ -14,10 +16,8 @@ std::string Prefix(std::size_t robot) { return "robot/" + std::to_string(robot) 
 std::size_t IndexOf(const std::vector<std::string>& robots, const std::string& name) {
   const auto found = std::ranges::find(robots, name);
   if (found == robots.end()) {
-    std::string others;
-    for (const std::string& robot : robots) others += (others.empty() ? "'" : ", '") + robot + "'";
     throw InputError("there are no poses of robot '" + name + "'; the table has poses of " +
-                     (others.empty() ? "nobody" : others) +
+                     NameList(robots) +
                      ". Robots have one name in both (`cairn import tum --robot NAME` gives it)");
   }
   return static_cast<std::size_t>(found - robots.begin());
@@ -38,10 +38,13 @@ PoseTrack PoseTrack::Of(const Blob& log, const Blob* poses, std::size_t index, d
   if (poses != nullptr) {
     const std::string prefix = Prefix(IndexOf(poses->Texts("robots"), name));
     track.Set(FieldsIn<kinds::PoseTable>(prefix + "poses/", *poses), name);
+    track.has_own_frame_ = KindOf(*poses) == "local_map";
   } else if (robot.poses.time_s) {
     track.Set(robot.poses, name);
   } else if (!track.odometry_) {
     throw InputError("robot '" + name + "' has neither poses nor odometry: where it was is not known");
+  } else {
+    track.has_own_frame_ = true;
   }
   return track;
 }

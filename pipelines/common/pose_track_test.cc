@@ -77,6 +77,21 @@ TEST(PoseTrack, PosesGivenComeBeforeTheLogsOwnAndGoByName) {
   ExpectPose(PoseTrack::Of(log, &poses, 0, 0).At(1), {7, 8, 0});
 }
 
+TEST(PoseTrack, DeadReckoningAndLocalMapsHaveAFrameOfEachRobotsOwn) {
+  Blob log = LogWithOdometry();
+  EXPECT_TRUE(PoseTrack::Of(log, nullptr, 0, 0).has_own_frame());
+  Blob poses;
+  poses.Put("robots", Array::Texts({"ann"}));
+  PutPoses("robot/0/poses/", {1}, {7}, {8}, {0}, &poses);
+  EXPECT_FALSE(PoseTrack::Of(log, &poses, 0, 0).has_own_frame());
+  poses.PutVector<std::int32_t>("traces/first_z", {});  // a local_map
+  EXPECT_TRUE(PoseTrack::Of(log, &poses, 0, 0).has_own_frame());
+  poses.PutVector<double>("map/landmark_x_m", {});  // a landmark_map
+  EXPECT_FALSE(PoseTrack::Of(log, &poses, 0, 0).has_own_frame());
+  PutPoses("robot/0/poses/", {1, 4}, {0, 0}, {0, 0}, {0, 0}, &log);
+  EXPECT_FALSE(PoseTrack::Of(log, nullptr, 0, 0).has_own_frame());
+}
+
 TEST(PoseTrack, WhatCannotBeUsedIsNamed) {
   const auto refusal = [](const Blob& log, const Blob* poses) {
     try {

@@ -12,6 +12,7 @@
 #include "schema/error.h"
 #include "schema/kinds/grid_map.h"
 #include "schema/kinds/log.h"
+#include "schema/name_list.h"
 
 namespace cairn {
 namespace {
@@ -38,6 +39,23 @@ std::vector<std::string> Chosen(const GridOptions& options) {
                        name + "'");
   }
   return names.empty() ? kGroups : names;
+}
+
+// Which of the log's robots. A name may have a comma in it: alone it is understood.
+std::vector<std::uint8_t> ChosenRobots(const GridOptions& options, const std::vector<std::string>& robots) {
+  if (options.robots.empty()) return std::vector<std::uint8_t>(robots.size(), 1);
+  const bool is_one = std::ranges::find(robots, options.robots) != robots.end();
+  const std::vector<std::string> names =
+      is_one ? std::vector<std::string>{options.robots} : ByCommas(options.robots);
+  std::vector<std::uint8_t> chosen(robots.size());
+  for (const std::string& name : names) {
+    const auto robot = std::ranges::find(robots, name);
+    if (robot == robots.end())
+      throw InputError("option 'robots': the log has no robot '" + name + "', it has " + NameList(robots));
+    chosen[static_cast<std::size_t>(robot - robots.begin())] = 1;
+  }
+  if (names.empty()) throw InputError("option 'robots': '" + options.robots + "' names none");
+  return chosen;
 }
 
 void CheckRanges(const RangeScans& sensor) {
@@ -86,6 +104,15 @@ Array RowsOf(const Array& from, std::span<const std::int64_t> keep, std::size_t 
     kept.insert(kept.end(), row.begin(), row.end());
   }
   return Array::Of<double>({count, static_cast<std::int64_t>(columns)}, kept);
+}
+
+// Which scans the map is made without, and which it is checked with.
+void HoldOut(const GridOptions& options, RangeScans* sensor) {
+  for (std::size_t s = 0; s < sensor->scans(); ++s)
+    sensor->held_out.push_back(IsHeldOut(s, sensor->scans(), options.heldout));
+  sensor->checked = sensor->held_out;
+  for (std::size_t s = 0; s < sensor->scans() && options.heldout == 0; ++s)
+    sensor->checked[s] = IsHeldOut(s, sensor->scans(), kCheckedShare);
 }
 
 // Fills in the poses; scans without any are dropped or refused. Returns how many were dropped.
@@ -148,6 +175,17 @@ void CheckRows(const RangeScans& sensor, const Array& range_m) {
   RequireAllWithin("row", sensor.row, std::int64_t{0}, range_m.shape()[0] - 1);
 }
 
+// Scans that are laid over each other all the same look like a map.
+void CheckOneFrame(const PosedScans& scans) {
+  if (scans.robots.size() < 2 || scans.own_frames.empty()) return;
+  throw InputError(
+      "the scans are of " + std::to_string(scans.robots.size()) +
+      " robots, and nothing says how their paths lie beside each other: " + NameList(scans.own_frames) +
+      (scans.own_frames.size() == 1 ? " has a frame of its own" : " have a frame each") +
+      ", for the poses are dead reckoning's or a local_map's. Make a map of one robot (robots=NAME), "
+      "or give poses of one frame: a landmark_map, or a file of poses, as the input 'poses'");
+}
+
 // All that the sensor's beams met.
 void AddEnds(const RangeScans& sensor, Extent* extent) {
   std::vector<Pose> unit;  // each beam's direction, on the robot
@@ -168,32 +206,40 @@ void AddEnds(const RangeScans& sensor, Extent* extent) {
   }
 }
 
+// Those of a robot's sensors that stand in `groups`.
+void AddScansOf(const Blob& log, const Blob* poses, std::size_t robot, const std::vector<std::string>& groups,
+                const GridOptions& options, PosedScans* scans) {
+  const std::size_t before = scans->sensors.size();
+  bool has_own_frame = false;
+  for (const std::string& group : kGroups) {
+    const std::string name = "robot/" + std::to_string(robot) + "/" + group + "/";
+    if (std::ranges::find(groups, group) == groups.end() || !log.Has(name + "range_m")) continue;
+    RangeScans sensor = SensorOf(FieldsIn<kinds::Log::RangeSensor>(name, log), name);
+    const PoseTrack track = PoseTrack::Of(log, poses, robot, options.pose_gap_s);
+    has_own_frame = track.has_own_frame();
+    scans->unposed += PlaceScans(track, options.skip_unposed, &sensor);
+    HoldOut(options, &sensor);
+    if (sensor.scans() > 0) scans->sensors.push_back(std::move(sensor));
+  }
+  if (scans->sensors.size() == before) return;
+  scans->robots.push_back(log.Texts("robots")[robot]);
+  if (has_own_frame) scans->own_frames.push_back(scans->robots.back());
+}
+
 }  // namespace
 
 PosedScans ReadRangeScans(const Blob& log, const Blob* poses, const GridOptions& options) {
-  const std::vector<std::string> chosen = Chosen(options), robots = log.Texts("robots");
+  const std::vector<std::string> groups = Chosen(options);
+  const std::vector<std::uint8_t> robots = ChosenRobots(options, log.Texts("robots"));
   PosedScans scans;
-  for (std::size_t r = 0; r < robots.size(); ++r) {
-    const std::string robot = "robot/" + std::to_string(r) + "/";
-    for (const std::string& kind : kGroups) {
-      const std::string name = robot + kind + "/";
-      if (std::ranges::find(chosen, kind) == chosen.end() || !log.Has(name + "range_m")) continue;
-      RangeScans sensor = SensorOf(FieldsIn<kinds::Log::RangeSensor>(name, log), name);
-      scans.unposed +=
-          PlaceScans(PoseTrack::Of(log, poses, r, options.pose_gap_s), options.skip_unposed, &sensor);
-      for (std::size_t s = 0; s < sensor.scans(); ++s)
-        sensor.held_out.push_back(IsHeldOut(s, sensor.scans(), options.heldout));
-      sensor.checked = sensor.held_out;
-      for (std::size_t s = 0; s < sensor.scans() && options.heldout == 0; ++s)
-        sensor.checked[s] = IsHeldOut(s, sensor.scans(), kCheckedShare);
-      if (sensor.scans() > 0) scans.sensors.push_back(std::move(sensor));
-    }
-  }
+  for (std::size_t r = 0; r < robots.size(); ++r)
+    if (robots[r] != 0) AddScansOf(log, poses, r, groups, options, &scans);
   if (scans.sensors.empty()) {
     throw InputError(scans.unposed > 0
                          ? "none of the log's range scans has a pose"
                          : "the log has no range scans" +
                                (options.sensors.empty() ? "" : " of '" + options.sensors + "'") +
+                               (options.robots.empty() ? "" : " by robot '" + options.robots + "'") +
                                ": an occupancy map is made of sonar or laser");
   }
   return scans;
@@ -204,6 +250,7 @@ double MostCells(const GridOptions& options, double bytes_per_cell) {
 }
 
 GridBox GridOf(const PosedScans& scans, const GridOptions& options, double bytes_per_cell) {
+  CheckOneFrame(scans);
   Extent extent;
   if (!options.box_m.empty()) extent = ParseExtent("box_m", options.box_m);
   for (const RangeScans& sensor : scans.sensors) {

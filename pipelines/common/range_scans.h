@@ -41,6 +41,7 @@ struct GridOptions {
   double cell_m = 0.05;
   std::string box_m;    // empty: all that the scans tell of
   std::string sensors;  // empty: all
+  std::string robots;   // empty: all
   double heldout = 0;
   double pose_gap_s = 0;
   bool skip_unposed = false;
@@ -58,6 +59,8 @@ void VisitGridOptions(V& visit, GridOptions& o) {
   visit(Option{"sensors", "", 0, 0,
                "of which sensors, by commas: sonar, infrared, laser, laser2 to laser5; empty: all"},
         o.sensors);
+  visit(Option{"robots", "", 0, 0, "whose scans, by commas: names of the log's robots; empty: all"},
+        o.robots);
   visit(Option{"heldout", "", 0, 0.9,
                "share of the scans left out of the map, the last part of each tenth of the log, so that "
                "`cairn evaluate` can score it with them"},
@@ -71,16 +74,20 @@ void VisitGridOptions(V& visit, GridOptions& o) {
   visit(Option{"memory_mb", "MiB", 1, 1e6, "a task may take; a map that needs more is refused"}, o.memory_mb);
 }
 
-// The sensors of all robots in the order of robots, then sonar and infra-red before lasers, as `options`
-// choose. Poses come from `poses` (its robot/N/poses/, by the robot's name), else from the log's own, else
-// from dead reckoning; `poses` may be null. Between two of them a robot moves as its odometry says, with the
-// difference spread evenly over time, or straight where there is none. The log was checked as its kind.
+// The sensors of the robots in the order of robots, then sonar and infra-red before lasers, as `options`
+// choose both. Poses come from `poses` (its robot/N/poses/, by the robot's name), else from the log's own,
+// else from dead reckoning; `poses` may be null. Between two of them a robot moves as its odometry says, with
+// the difference spread evenly over time, or straight where there is none. The log was checked as its kind.
 // Throws InputError that names sensor and scan where
-// - there are no scans, or none with a pose; an option names a sensor that there can not be;
+// - there are no scans, or none with a pose; an option names a sensor that there can not be, or a robot that
+//   the log does not have;
 // - a range is beyond the sensor's reach, or its opening is half a turn or more;
 // - there is no pose for a time and `skip_unposed` is false.
 struct PosedScans {
   std::vector<RangeScans> sensors;
+  std::vector<std::string> robots;  // whose they are
+  std::vector<std::string>
+      own_frames;           // those of them whose poses lie in a frame of their own (pose_track.h)
   std::size_t unposed = 0;  // scans left out
 };
 PosedScans ReadRangeScans(const Blob& log, const Blob* poses, const GridOptions& options);
@@ -90,6 +97,7 @@ double MostCells(const GridOptions& options, double bytes_per_cell);
 
 // The grid of `options`, or one that holds all poses and all that was met, with a margin of 0.5 m, at most
 // `bytes_per_cell` of memory_mb.
+// Throws InputError where the scans are of several robots whose poses lie in no common frame.
 // Throws InputError where box_m does not hold all poses.
 // Throws InputError where the grid would need more than memory_mb.
 GridBox GridOf(const PosedScans& scans, const GridOptions& options, double bytes_per_cell);

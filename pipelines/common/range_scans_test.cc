@@ -31,10 +31,32 @@ Blob Log() {
   return log;
 }
 
-std::string Refusal(const Blob& log, const GridOptions& options = {}) {
+// The same of two robots, "ann" and "bob", by poses of their own.
+Blob LogOfTwo() {
+  Blob log = Log();
+  log.Put("robots", Array::Texts({"ann", "bob"}));
+  log.PutAll("robot/1/", Log().Sub("robot/0/"));
+  log.PutVector<double>("robot/1/poses/x_m", {3, 3});
+  return log;
+}
+
+// And by dead reckoning.
+Blob LogOfTwoByOdometry() {
+  Blob log = LogOfTwo();
+  for (const char* robot : {"robot/0/", "robot/1/"}) {
+    const std::string odometry = std::string(robot) + "odometry/";
+    log = log.Without(std::string(robot) + "poses/");
+    log.PutVector<double>(odometry + "time_s", {0, 10});
+    log.PutVector<double>(odometry + "turn_rad", {0, 0});
+    log.PutVector<double>(odometry + "forward_m", {0, 10});
+  }
+  return log;
+}
+
+std::string Refusal(const Blob& log, const GridOptions& options = {}, const Blob* poses = nullptr) {
   try {
     CheckInput(log, "log");  // as before a job starts
-    GridOf(ReadRangeScans(log, nullptr, options), options, 8);
+    GridOf(ReadRangeScans(log, poses, options), options, 8);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -197,6 +219,62 @@ TEST(RangeScans, ScansOutsideTheTimeOfPosesAreRefusedOrLeftOut) {
   const RangeScans of_task = ScansOf(SensorBlob(late), ScansBlob(late), log);
   EXPECT_EQ(of_task.row, (std::vector<std::int64_t>{1, 2}));
   EXPECT_EQ(of_task.range_m.As<double>()[1], 3) << "the second scan's";
+}
+
+TEST(RangeScans, TheOptionSaysWhose) {
+  const auto sensors = [](const std::string& robots, const Blob& log = LogOfTwo()) {
+    GridOptions options;
+    options.robots = robots;
+    std::string names;
+    for (const RangeScans& sensor : ReadRangeScans(log, nullptr, options).sensors) names += sensor.name + " ";
+    return names;
+  };
+  EXPECT_EQ(sensors(""), "robot/0/sonar/ robot/1/sonar/ ");
+  EXPECT_EQ(sensors("bob"), "robot/1/sonar/ ");
+  EXPECT_EQ(sensors("bob, ann"), "robot/0/sonar/ robot/1/sonar/ ") << "in the log's order";
+  Blob odd = LogOfTwo();
+  odd.Put("robots", Array::Texts({"ann, bob", "bob"}));
+  EXPECT_EQ(sensors("ann, bob", odd), "robot/0/sonar/ ") << "the name of one";
+  GridOptions options;
+  options.robots = "ann,carl";
+  EXPECT_EQ(Refusal(LogOfTwo(), options),
+            "option 'robots': the log has no robot 'carl', it has 'ann', 'bob'");
+  options.robots = " ,";
+  EXPECT_EQ(Refusal(LogOfTwo(), options), "option 'robots': ' ,' names none");
+  options.robots = "bob";
+  EXPECT_NE(Refusal(LogOfTwo().Without("robot/1/sonar/"), options).find("no range scans by robot 'bob'"),
+            std::string::npos);
+}
+
+// Whoever is not chosen need not have a pose, or a right one.
+TEST(RangeScans, OfOtherRobotsNothingIsAsked) {
+  GridOptions options;
+  options.robots = "bob";
+  EXPECT_EQ(Refusal(LogOfTwo().Without("robot/0/poses/"), options), "accepted");
+}
+
+TEST(RangeScans, RobotsWithoutACommonFrameMakeNoMap) {
+  EXPECT_EQ(Refusal(LogOfTwo()), "accepted");
+  const Blob reckoned = LogOfTwoByOdometry();
+  EXPECT_EQ(Refusal(reckoned),
+            "the scans are of 2 robots, and nothing says how their paths lie beside each other: 'ann', 'bob' "
+            "have a frame each, for the poses are dead reckoning's or a local_map's. Make a map of one robot "
+            "(robots=NAME), or give poses of one frame: a landmark_map, or a file of poses, as the input "
+            "'poses'");
+  EXPECT_EQ(ReadRangeScans(reckoned, nullptr, {}).sensors.size(), 2U) << "to read them is no mistake";
+  GridOptions one;
+  one.robots = "bob";
+  EXPECT_EQ(Refusal(reckoned, one), "accepted");
+  EXPECT_EQ(Refusal(reckoned.Without("robot/0/sonar/")), "accepted") << "one of them has scans";
+  Blob half = reckoned;
+  half.PutAll("robot/0/poses/", LogOfTwo().Sub("robot/0/poses/"));
+  EXPECT_NE(Refusal(half).find("each other: 'bob' has a frame of its own"), std::string::npos);
+  Blob poses;
+  poses.Put("robots", Array::Texts({"ann", "bob"}));
+  for (const char* robot : {"robot/0/poses/", "robot/1/poses/"}) poses.PutAll(robot, LogOfTwo().Sub(robot));
+  EXPECT_EQ(Refusal(reckoned, {}, &poses), "accepted");
+  poses.PutVector<std::int32_t>("traces/first_z", {});  // a local_map
+  EXPECT_NE(Refusal(LogOfTwo(), {}, &poses).find("'ann', 'bob' have a frame each"), std::string::npos);
 }
 
 TEST(RangeScans, WhatIsWrongIsNamedWithSensorAndScan) {

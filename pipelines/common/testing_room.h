@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "schema/blob.h"
+#include "schema/kinds/local_map.h"
 #include "schema/rng.h"
 
 namespace cairn {
@@ -103,5 +104,25 @@ struct Room {
     return along_m - std::sqrt(kRadius_m * kRadius_m - across_m * across_m);
   }
 };
+
+// Robots "rover" and "other", of a room each, and their paths as those of a local_map, which has a frame for
+// each.
+inline Blob LogOfTwoRovers(const Room& room, const Room& other) {
+  Blob log = room.Log();
+  log.Put("robots", Array::Texts({"rover", "other"}));
+  log.PutAll("robot/1/", other.Log().Sub("robot/0/"));
+  return log;
+}
+inline Blob LocalPathsOf(const Blob& log) {
+  Blob paths;
+  paths.Put("robots", log.at("robots"));
+  for (const char* robot : {"robot/0/poses/", "robot/1/poses/"}) paths.PutAll(robot, log.Sub(robot));
+  kinds::LocalMap::Traces none;
+  none.robot = none.first_z = std::vector<std::int32_t>{};
+  none.first_s = none.last_s = none.x_m = none.y_m = none.direction_rad = std::vector<double>{};
+  none.features = std::vector<std::int64_t>{};
+  PutFields("traces/", none, &paths);
+  return paths;
+}
 
 }  // namespace cairn

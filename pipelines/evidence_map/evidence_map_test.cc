@@ -111,6 +111,35 @@ TEST(EvidenceMap, PosesGivenMoveTheMap) {
   EXPECT_GT(At(*outcome.result, 16.02, 22.5), 0.9);
 }
 
+// Maps of frames that have nothing to do with each other, laid over each other, look like a map.
+TEST(EvidenceMap, OfRobotsWithoutACommonFrameItTakesOne) {
+  const Room room, other{.width_m = 9, .seed = 2};
+  const Blob log = LogOfTwoRovers(room, other), paths = LocalPathsOf(log);
+  const auto map = [&](const std::string& robots) {
+    Options options;
+    options.grid.robots = robots;
+    return RunInProcess(EvidenceMap(options, 7), {{"log", std::make_shared<const Blob>(log)},
+                                                  {"poses", std::make_shared<const Blob>(paths)}});
+  };
+  for (const char* both : {"", "rover,other"}) {
+    try {
+      map(both);
+      FAIL() << both;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("'rover', 'other' have a frame each"), std::string::npos)
+          << error.what();
+    }
+  }
+  const BlobPtr chosen = map("rover"), alone = Map(room, {}).result;
+  for (const auto& [name, array] : alone->fields()) {
+    if (name != "robots" && name != "log_hash") {
+      EXPECT_TRUE(chosen->at(name) == array) << name;
+    }
+  }
+  EXPECT_FALSE(chosen->Has("robot/1/laser/time_s"));
+  EXPECT_FALSE(map("other")->at("map/grid/probability") == alone->at("map/grid/probability"));
+}
+
 TEST(EvidenceMap, RefusesALogWithoutRangeScans) {
   Blob log;
   log.Put("robots", Array::Texts({"ann"}));

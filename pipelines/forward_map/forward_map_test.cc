@@ -129,6 +129,33 @@ TEST(ForwardMap, TheDifferenceAgreesWithTheMap) {
   EXPECT_EQ(ProbabilityOf(0, 0.2), 0.2);
 }
 
+TEST(ForwardMap, OfRobotsWithoutACommonFrameItTakesOne) {
+  const Room room, other{.width_m = 9, .seed = 2};
+  const Blob log = LogOfTwoRovers(room, other), paths = LocalPathsOf(log);
+  const auto map = [&](const std::string& robots) {
+    Options options = At(0.1);
+    options.grid.robots = robots;
+    return RunInProcess(ForwardMap(options, 1), {{"log", std::make_shared<const Blob>(log)},
+                                                 {"poses", std::make_shared<const Blob>(paths)}});
+  };
+  for (const char* both : {"", "rover,other"}) {
+    try {
+      map(both);
+      FAIL() << both;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("'rover', 'other' have a frame each"), std::string::npos)
+          << error.what();
+    }
+  }
+  const BlobPtr chosen = map("rover"), alone = MapOf(room.Log(), At(0.1));
+  for (const auto& [name, array] : alone->fields()) {
+    if (name != "robots" && name != "log_hash") {
+      EXPECT_TRUE(chosen->at(name) == array) << name;
+    }
+  }
+  EXPECT_FALSE(chosen->Has("robot/1/laser/time_s"));
+}
+
 TEST(ForwardMap, ManyTilesEndAsHighAsOne) {
   const Blob log = Room{}.Log();
   Options tiles = At(0.1);

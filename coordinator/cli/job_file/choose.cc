@@ -17,9 +17,11 @@ namespace {
 // Up to so many readings are explained together; each takes some 50 µs of laser, several times that of sonar.
 constexpr std::size_t kMostForwardReadings = 2'000'000;
 constexpr double kMostCells = 4e6;
+// A grid each of so many robots; of more nobody looks at all.
+constexpr std::size_t kMostGrids = 10;
 constexpr double kLaserCell_m = 0.05, kSonarCell_m = 0.1;  // the cone of a sonar is wider than any cell
 
-// Of all robots together.
+// Of all robots together, or of one.
 struct Holdings {
   std::size_t robots = 0, with_scans = 0, with_poses = 0, observations = 0, named = 0, scans = 0,
               readings = 0;
@@ -74,14 +76,17 @@ void AddPath(const kinds::Log::Robot& robot, Holdings* all) {
   }
 }
 
+void Add(const kinds::Log::Robot& robot, Holdings* all) {
+  ++all->robots;
+  all->observations += robot.observations.time_s.OrNone().size();
+  for (const std::int32_t landmark : robot.observations.landmark.OrNone()) all->named += landmark >= 0;
+  AddScans(robot, all);
+  AddPath(robot, all);
+}
+
 Holdings Look(const kinds::Log& log) {
-  Holdings all{.robots = log.robot.size()};
-  for (const kinds::Log::Robot& robot : log.robot) {
-    all.observations += robot.observations.time_s.OrNone().size();
-    for (const std::int32_t landmark : robot.observations.landmark.OrNone()) all.named += landmark >= 0;
-    AddScans(robot, &all);
-    AddPath(robot, &all);
-  }
+  Holdings all;
+  for (const kinds::Log::Robot& robot : log.robot) Add(robot, &all);
   return all;
 }
 
@@ -121,42 +126,64 @@ void CheckPaths(const kinds::Log& log, bool has_observations) {
   }
 }
 
-// Whose poses the grid is made with: a stage's, the log's own (empty), or nobody's.
-std::optional<std::string> ChoosePoses(const Holdings& all, ChosenJob* chosen) {
-  std::optional<std::string> poses;
-  if (all.observations > 0) {
-    poses = "landmarks";
-  } else if (all.with_poses == all.robots) {
-    chosen->reasons.push_back("path: the log has poses of its own, which are taken as they are");
-    return "";
-  }
-  if (all.with_poses == all.robots) return poses;
-  AddStage("path", "local_map", chosen);
-  chosen->reasons.push_back(
-      fmt::format("path: local_map, of {} of {}", Counted(all.scans, "range scan"), Listed(all.sensors)));
-  if (poses) return poses;
-  if (all.robots > 1) {
-    chosen->reasons.push_back(
-        fmt::format("no grid: nothing in the log says where its {} robots stand to each other", all.robots));
-    return std::nullopt;
-  }
-  return "path";
-}
+// A grid, and whose scans and poses it is made of.
+struct Grid {
+  std::string name;
+  std::string poses;              // a stage's; empty: the log's own
+  std::optional<std::string> of;  // a robot alone; none: all
+};
 
-void ChooseGrid(const Holdings& all, const std::string& poses, ChosenJob* chosen) {
-  const bool forward = all.readings <= kMostForwardReadings;
-  proto::Stage& grid = AddStage("grid", forward ? "forward_map" : "evidence_map", chosen);
-  const double cell_m = CellOf(all);
+void ChooseGrid(const Holdings& holdings, const Grid& of, ChosenJob* chosen) {
+  const bool forward = holdings.readings <= kMostForwardReadings;
+  proto::Stage& grid = AddStage(of.name, forward ? "forward_map" : "evidence_map", chosen);
+  const double cell_m = CellOf(holdings);
   (*grid.mutable_options())["cell_m"].set_d(cell_m);
   (*grid.mutable_options())["skip_unposed"].set_b(true);
-  if (!poses.empty()) (*grid.mutable_inputs())["poses"] = poses;
+  if (of.of) (*grid.mutable_options())["robots"].set_s(*of.of);
+  if (!of.poses.empty()) (*grid.mutable_inputs())["poses"] = of.poses;
   chosen->reasons.push_back(fmt::format(
-      "grid: {}, of {} in cells of {:g} m, with the poses of {}{}", grid.pipeline(),
-      Counted(all.readings, "reading"), cell_m, poses.empty() ? "the log" : "'" + poses + "'",
+      "{}: {}, of {}{} in cells of {:g} m, with the poses of {}{}", of.name, grid.pipeline(),
+      Counted(holdings.readings, "reading"), of.of ? " of robot '" + *of.of + "'" : "", cell_m,
+      of.poses.empty() ? "the log" : "'" + of.poses + "'",
       forward ? ""
               : fmt::format("; forward_map, which explains readings together, would take long of more "
                             "than {}",
                             kMostForwardReadings)));
+}
+
+// Of robots that nothing ties together: laid over each other their scans would be no map.
+void ChooseGridOfEach(const kinds::Log& log, const Holdings& all, ChosenJob* chosen) {
+  const std::string apart =
+      fmt::format("nothing in the log says where its {} robots stand to each other", all.robots);
+  if (all.with_scans > kMostGrids) {
+    chosen->reasons.push_back(
+        fmt::format("no grid: {}, and {} have scans: `cairn run forward_map LOG --input poses=path.h5 "
+                    "--set robots=NAME` makes one of a robot",
+                    apart, all.with_scans));
+    return;
+  }
+  chosen->reasons.back() += "; " + apart + ", so each has a grid of its own";
+  for (std::size_t r = 0; r < log.robot.size(); ++r) {
+    Holdings one;
+    Add(log.robot[r], &one);
+    if (one.scans == 0) continue;
+    ChooseGrid(one, {.name = fmt::format("grid_{}", r), .poses = "path", .of = log.robots[r]}, chosen);
+  }
+}
+
+void ChooseGrids(const kinds::Log& log, const Holdings& all, ChosenJob* chosen) {
+  const bool has_landmarks = all.observations > 0, has_poses = all.with_poses == all.robots;
+  if (has_poses && !has_landmarks)
+    chosen->reasons.push_back("path: the log has poses of its own, which are taken as they are");
+  if (!has_poses) {
+    AddStage("path", "local_map", chosen);
+    chosen->reasons.push_back(
+        fmt::format("path: local_map, of {} of {}", Counted(all.scans, "range scan"), Listed(all.sensors)));
+  }
+  if (!has_landmarks && !has_poses && all.with_scans > 1) return ChooseGridOfEach(log, all, chosen);
+  std::string poses = has_poses ? "" : "path";
+  if (has_landmarks) poses = "landmarks";
+  ChooseGrid(all, {.name = "grid", .poses = poses, .of = {}}, chosen);
 }
 
 }  // namespace
@@ -181,8 +208,7 @@ ChosenJob ChooseJob(const Blob& blob) {
         : all.named == all.observations ? "all say which landmark they are of"
                                         : fmt::format("{} say which landmark they are of", all.named)));
   }
-  if (all.scans == 0) return chosen;
-  if (const auto poses = ChoosePoses(all, &chosen)) ChooseGrid(all, *poses, &chosen);
+  if (all.scans > 0) ChooseGrids(log, all, &chosen);
   return chosen;
 }
 

@@ -78,10 +78,41 @@ TEST(ChooseJob, TakesTheLogsOwnPosesWhereEveryRobotHasThem) {
             "landmarks landmark_map; grid forward_map of landmarks");
 }
 
-TEST(ChooseJob, MakesNoGridOfRobotsThatNothingTiesTogether) {
+// Each robot's path has a frame of its own there: one grid of all would be one map laid over another.
+TEST(ChooseJob, MakesAGridOfEachRobotWhereNothingTiesThemTogether) {
   const ChosenJob chosen = ChooseJob(LogOf({.robots = 2, .scans = 5}));
+  EXPECT_EQ(Stages(chosen), "path local_map; grid_0 forward_map of path; grid_1 forward_map of path");
+  EXPECT_EQ(chosen.job.stages(1).options().at("robots").s(), "robot 0");
+  EXPECT_EQ(chosen.job.stages(2).options().at("robots").s(), "robot 1");
+  EXPECT_TRUE(chosen.reasons[0].ends_with(
+      "nothing in the log says where its 2 robots stand to each other, so each has a grid of its own"))
+      << chosen.reasons[0];
+  EXPECT_TRUE(chosen.reasons[2].starts_with("grid_1: forward_map, of 10 readings of robot 'robot 1' in"))
+      << chosen.reasons[2];
+}
+
+TEST(ChooseJob, OfRobotsOfWhichOneScansTheGridIsIts) {
+  Blob log = LogOf({.robots = 2, .scans = 5});
+  log = log.Without("robot/0/laser/");
+  EXPECT_EQ(Stages(ChooseJob(log)), "path local_map; grid forward_map of path");
+}
+
+TEST(ChooseJob, RobotsThatPosesOrLandmarksTieTogetherShareAGrid) {
+  for (const Of& of :
+       {Of{.robots = 2, .scans = 5, .poses = true}, Of{.robots = 2, .observations = 3, .scans = 5}}) {
+    const ChosenJob chosen = ChooseJob(LogOf(of));
+    EXPECT_TRUE(Stages(chosen).find("grid_") == std::string::npos) << Stages(chosen);
+    EXPECT_FALSE(chosen.job.stages().rbegin()->options().contains("robots"));
+  }
+}
+
+TEST(ChooseJob, OfMoreRobotsThanAnybodyLooksAtThereIsNoGrid) {
+  EXPECT_EQ(ChooseJob(LogOf({.robots = 10, .scans = 5})).job.stages_size(), 11);
+  const ChosenJob chosen = ChooseJob(LogOf({.robots = 11, .scans = 5}));
   EXPECT_EQ(Stages(chosen), "path local_map");
-  EXPECT_EQ(chosen.reasons.back(), "no grid: nothing in the log says where its 2 robots stand to each other");
+  EXPECT_TRUE(chosen.reasons.back().starts_with(
+      "no grid: nothing in the log says where its 11 robots stand to each other, and 11 have scans: "))
+      << chosen.reasons.back();
 }
 
 TEST(ChooseJob, ManyReadingsAreMappedCellByCell) {
@@ -99,7 +130,8 @@ TEST(ChooseJob, CellsFitTheSensorAndGrowWithTheArea) {
 }
 
 TEST(ChooseJob, EveryStageHasAReason) {
-  for (const Of& of : {Of{.observations = 3}, Of{.scans = 5}, Of{.observations = 3, .scans = 5}}) {
+  for (const Of& of : {Of{.observations = 3}, Of{.scans = 5}, Of{.observations = 3, .scans = 5},
+                       Of{.robots = 2, .scans = 5}}) {
     const ChosenJob chosen = ChooseJob(LogOf(of));
     ASSERT_EQ(chosen.reasons.size(), static_cast<std::size_t>(chosen.job.stages_size()));
     for (int i = 0; i < chosen.job.stages_size(); ++i)
