@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -26,9 +25,7 @@ std::string Shown(double value) { return std::to_string(value); }
 // What programs write where they know no name.
 bool MeansUnknown(std::string_view name) {
   constexpr std::array kWords = {"-1", "unknown", "none", "nan", "null", "na", "n/a"};
-  std::string lower(name);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  return std::ranges::find(kWords, lower) != kWords.end();
+  return std::ranges::find(kWords, InSmallLetters(name)) != kWords.end();
 }
 
 // Why a time may lie beyond a log of `first` to `last`: its unit, or its clock; nothing where it is only
@@ -90,7 +87,7 @@ class CsvImport {
       report_.warnings.push_back(path + ": " + std::to_string(extra.size() - kMostNamed) +
                                  " more columns are left out");
     if (!reader.Has(kRobot) && rows_.robots.size() > 1)
-      throw InputError(path + ":1: the header lacks 'robot'; odometry is of " +
+      throw InputError(reader.Place() + "the header lacks 'robot'; odometry is of " +
                        std::to_string(rows_.robots.size()) + " robots");
     return reader;
   }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <cstdint>
 #include <map>
 #include <numbers>
 
@@ -9,6 +11,13 @@
 #include "schema/text.h"
 
 namespace cairn::datasets {
+
+std::string InSmallLetters(std::string_view text) {
+  std::string small(text);
+  std::ranges::transform(small, small.begin(), [](unsigned char c) { return std::tolower(c); });
+  return small;
+}
+
 namespace {
 
 // A column may be left out that ends in it.
@@ -63,6 +72,21 @@ std::vector<Spelling> SpellingsOf(const std::string& column) {
   return spellings;
 }
 
+// Whether a column holds numbers, by the unit at the end of its name.
+bool HasUnit(std::string_view column) {
+  const std::string name = InSmallLetters(column);
+  return std::ranges::any_of(kOtherUnits, [&](const OtherUnit& unit) {
+    return name.ends_with(unit.unit) || name.ends_with(unit.other);
+  });
+}
+
+// "# time_s,robot" without its mark.
+std::string_view WithoutMark(std::string_view comment) {
+  comment = Trim(comment);
+  while (comment.starts_with('#')) comment.remove_prefix(1);
+  return comment;
+}
+
 // What stands between the fields of a header.
 char SeparatorOf(std::string_view header) {
   for (const char separator : {',', ';', '\t'})
@@ -82,18 +106,37 @@ CsvReader::CsvReader(const std::string& path, const std::vector<std::vector<std:
       lines_(*text_),
       rows_(*text_),
       bad_(bad) {
-  if (!lines_.Next()) throw InputError(path + ": is empty; a header is needed: " + Join(headers[0]));
   if (text_->starts_with("\xFF\xFE") || text_->starts_with("\xFE\xFF"))
     throw InputError(path + ": is UTF-16; save it as UTF-8 (or as plain CSV)");
-  if (IsSeparatorLine(lines_.text()) && !lines_.Next())
-    throw InputError(path + ": is empty; a header is needed: " + Join(headers[0]));
-  if (lines_.text().find('\r') != std::string_view::npos)
-    throw InputError(path +
-                     ": its lines end in a carriage return alone; save it with ends of lines of today");
-  separator_ = SeparatorOf(lines_.text());
-  if (!Split()) throw InputError(path + HeaderLine() + "the header has an open quote");
-  FindColumns(headers);
+  FindHeader(headers);
   rows_ = lines_;
+}
+
+void CsvReader::FindHeader(const std::vector<std::vector<std::string>>& headers) {
+  std::optional<Lines> comment;  // the last one
+  bool is_there = false;
+  while (!is_there && lines_.Next()) {
+    if (lines_.text().find('\r') != std::string_view::npos)
+      throw InputError(path_ +
+                       ": its lines end in a carriage return alone; save it with ends of lines of today");
+    const std::string_view line = Trim(lines_.text());
+    if (lines_.number() == 1 && IsSeparatorLine(line)) continue;
+    if (line.starts_with('#')) comment = lines_;
+    is_there = !line.empty() && !line.starts_with('#');
+  }
+  const auto fits = [&](std::string_view line) {
+    separator_ = SeparatorOf(line);
+    return Split(line) && Fitting(headers) != nullptr;
+  };
+  if (is_there && fits(lines_.text())) return FindColumns(headers, lines_.text());
+  if (comment && fits(WithoutMark(comment->text()))) {
+    lines_ = *comment;
+    return FindColumns(headers, WithoutMark(lines_.text()));
+  }
+  if (!is_there) throw InputError(path_ + ": is empty; a header is needed: " + Join(headers[0]));
+  separator_ = SeparatorOf(lines_.text());
+  if (!Split(lines_.text())) throw InputError(Place() + "the header has an open quote");
+  FindColumns(headers, lines_.text());
 }
 
 CsvReader CsvReader::FromFirstRow(BadLines* bad) const {
@@ -104,7 +147,7 @@ CsvReader CsvReader::FromFirstRow(BadLines* bad) const {
   return again;
 }
 
-std::string CsvReader::HeaderLine() const { return ":" + std::to_string(lines_.number()) + ": "; }
+std::string CsvReader::Place() const { return path_ + ":" + std::to_string(lines_.number()) + ": "; }
 
 std::map<std::string_view, std::size_t> PlacesOf(const std::vector<std::string>& names) {
   std::map<std::string_view, std::size_t> places;
@@ -112,37 +155,55 @@ std::map<std::string_view, std::size_t> PlacesOf(const std::vector<std::string>&
   return places;
 }
 
-void CsvReader::FindColumns(const std::vector<std::vector<std::string>>& headers) {
-  const auto spelling_of = [&](const std::string& column) -> std::optional<Spelling> {
-    for (Spelling& spelling : SpellingsOf(column))
-      if (std::ranges::count(fields_, spelling.name) > 0) return std::move(spelling);
-    return std::nullopt;
-  };
+std::vector<std::size_t> CsvReader::Standing(const std::string& name) const {
+  std::vector<std::size_t> exact, in_other_letters;
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    if (fields_[k] == name) exact.push_back(k);
+    if (InSmallLetters(fields_[k]) == name) in_other_letters.push_back(k);
+  }
+  return exact.empty() ? in_other_letters : exact;
+}
+
+const std::vector<std::string>* CsvReader::Fitting(
+    const std::vector<std::vector<std::string>>& headers) const {
   const auto may = [&](const std::string& column) {
-    return column.ends_with(kOptional) || spelling_of(column);
+    const auto stands = [&](const Spelling& spelling) { return !Standing(spelling.name).empty(); };
+    return column.ends_with(kOptional) || std::ranges::any_of(SpellingsOf(column), stands);
   };
   const auto fits =
       std::ranges::find_if(headers, [&](const auto& set) { return std::ranges::all_of(set, may); });
-  if (fits == headers.end()) {
+  return fits == headers.end() ? nullptr : &*fits;
+}
+
+void CsvReader::FindColumns(const std::vector<std::vector<std::string>>& headers, std::string_view line) {
+  const std::vector<std::string>* fits = Fitting(headers);
+  if (fits == nullptr) {
     std::string allowed;
     for (const auto& set : headers) allowed += (allowed.empty() ? "" : " or ") + Join(set);
-    throw InputError(path_ + HeaderLine() + "the header lacks columns: it must have " + allowed +
-                     ", it has " + Excerpt(lines_.text()));
+    throw InputError(Place() + "the header lacks columns: it must have " + allowed + ", it has " +
+                     Excerpt(line));
   }
-  header_ = static_cast<std::size_t>(fits - headers.begin());
+  header_ = static_cast<std::size_t>(fits - headers.data());
   width_ = fields_.size();
+  begins_with_names_ = !HasUnit(fields_.front());
+  std::vector<std::uint8_t> is_wanted(width_);
   for (const std::string& wanted : *fits) {
-    const Spelling column = spelling_of(wanted).value_or(Spelling{Bare(wanted)});
-    if (std::ranges::count(fields_, column.name) > 1)
-      throw InputError(path_ + HeaderLine() + "the header has " + column.name + " twice");
-    const auto place = std::ranges::find(fields_, column.name);
-    places_.push_back(place == fields_.end() ? kMissing : static_cast<std::size_t>(place - fields_.begin()));
+    Spelling column{Bare(wanted)};
+    std::vector<std::size_t> places;
+    for (const Spelling& spelling : SpellingsOf(wanted)) {
+      places = Standing(spelling.name);
+      if (places.empty()) continue;
+      column = spelling;
+      break;
+    }
+    if (places.size() > 1) throw InputError(Place() + "the header has " + column.name + " twice");
+    places_.push_back(places.empty() ? kMissing : places[0]);
     columns_.push_back(column.name);
     per_unit_.push_back(column.per);
+    if (!places.empty()) is_wanted[places[0]] = 1;
   }
-  for (const std::string_view field : fields_) {
-    if (std::ranges::find(columns_, field) == columns_.end()) extra_.emplace_back(field);
-  }
+  for (std::size_t k = 0; k < width_; ++k)
+    if (!is_wanted[k]) extra_.emplace_back(fields_[k]);
 }
 
 void CsvReader::TakeExtraColumns() {
@@ -151,8 +212,8 @@ void CsvReader::TakeExtraColumns() {
   const std::map<std::string_view, std::size_t> once = PlacesOf(extra_);
   for (std::size_t k = 0; k < extra_.size(); ++k) {
     const std::string& column = extra_[k];
-    if (column.empty()) throw InputError(path_ + HeaderLine() + "the header has a column without a name");
-    if (once.at(column) != k) throw InputError(path_ + HeaderLine() + "the header has " + column + " twice");
+    if (column.empty()) throw InputError(Place() + "the header has a column without a name");
+    if (once.at(column) != k) throw InputError(Place() + "the header has " + column + " twice");
     places_.push_back(places.at(column));
     per_unit_.push_back(1);
   }
@@ -162,7 +223,9 @@ void CsvReader::TakeExtraColumns() {
 bool CsvReader::Next() {
   while (lines_.Next()) {
     if (Trim(lines_.text()).empty()) continue;
-    if (!Split()) {
+    const bool closed = Split(lines_.text());
+    if (IsComment()) continue;
+    if (!closed) {
       Bad("open quote", "a line break within quotes is not read");
     } else if (fields_.size() != width_) {
       Bad("wrong number of columns",
@@ -174,10 +237,14 @@ bool CsvReader::Next() {
   return false;
 }
 
+bool CsvReader::IsComment() const {
+  return Trim(lines_.text()).starts_with('#') && !(begins_with_names_ && fields_.size() == width_);
+}
+
 // RFC 4180 but for line breaks within quotes.
-bool CsvReader::Split() {
+bool CsvReader::Split(std::string_view line) {
   fields_.clear();
-  std::string_view rest = lines_.text();
+  std::string_view rest = line;
   if (rest.find('"') == std::string_view::npos) {
     for (std::size_t comma = 0; (comma = rest.find(separator_)) != std::string_view::npos;
          rest.remove_prefix(comma + 1)) {

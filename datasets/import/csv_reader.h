@@ -2,7 +2,9 @@
 // Fields are separated by commas, or by semicolons or tabs where the header has no comma; with those a number
 // may have a decimal comma. A column that is asked for in metres, seconds or radians may be there in another
 // unit, which its name says: `range_mm` for `range_m`, `time_ms` for `time_s`, `bearing_deg` for
-// `bearing_rad`.
+// `bearing_rad`. Columns are found in letters of either case; where one stands there in small letters, it is
+// the one. Lines that begin with '#' are comments, before the header too, which may itself stand behind one;
+// but a row of the right number of fields is a row where its first column holds names: '#1' may be one.
 #pragma once
 
 #include <cstddef>
@@ -19,6 +21,9 @@ namespace cairn::datasets {
 
 // Of each name where it stands first; the names live as long.
 std::map<std::string_view, std::size_t> PlacesOf(const std::vector<std::string>& names);
+
+// Of ASCII: names of columns are the same in either case.
+std::string InSmallLetters(std::string_view text);
 
 class CsvReader {
  public:
@@ -39,6 +44,7 @@ class CsvReader {
   // Goes to the next row; lines of a wrong number of columns are bad, empty ones are passed over.
   bool Next();
   std::size_t line() const { return lines_.number(); }
+  std::string Place() const;  // "FILE:LINE: ", of the header before the first Next()
   bool Has(std::size_t index) const { return places_[index] != kMissing; }
   // Field of the column `index` of the header, blanks around it cut off; nothing where there is no such
   // column.
@@ -54,9 +60,14 @@ class CsvReader {
   void Bad(const std::string& reason, const std::string& detail = {});
 
  private:
-  std::string HeaderLine() const;  // ":1: "
-  bool Split();                    // false: an open quote
-  void FindColumns(const std::vector<std::vector<std::string>>& headers);
+  bool Split(std::string_view line);  // false: an open quote
+  bool IsComment() const;             // the line that was split
+  void FindHeader(const std::vector<std::vector<std::string>>& headers);
+  // Null where none fits.
+  const std::vector<std::string>* Fitting(const std::vector<std::vector<std::string>>& headers) const;
+  void FindColumns(const std::vector<std::vector<std::string>>& headers, std::string_view line);
+  // Where columns of that name stand in the header.
+  std::vector<std::size_t> Standing(const std::string& name) const;
 
   static constexpr std::size_t kMissing = static_cast<std::size_t>(-1);
 
@@ -69,6 +80,7 @@ class CsvReader {
   std::vector<double> per_unit_;      // how many of the file's units make one of the column's
   std::vector<std::string> extra_;
   std::size_t header_ = 0, width_ = 0;
+  bool begins_with_names_ = false;      // a line, not with a number
   char separator_ = ',', decimal_ = 0;  // of the numbers so far: '.' or ','
   std::vector<std::string_view> fields_;
   std::vector<std::string> unquoted_;

@@ -112,6 +112,51 @@ TEST(CsvReader, TakesTheUnitsThatTheHeaderSays) {
                  "time_s[,robot],range_m,bearing_rad");
 }
 
+TEST(CsvReader, PassesOverComments) {
+  const std::string read = "1 - 2.5 0.25\n2 - 3 -1\n";
+  EXPECT_EQ(
+      Rows(
+          "# My robot, on Monday\n#\n\ntime_s,range_m,bearing_rad\n1,2.5,0.25\n # it \"stood\n2,3,-1\n# end"),
+      read);
+  EXPECT_EQ(Rows("# of three,fields,too\ntime_s,range_m,bearing_rad\n#1,9,9\n1,2.5,0.25\n2,3,-1\n"), read);
+  EXPECT_EQ(Rows("sep=;\n# a\ntime_s;range_m;bearing_rad\n1;2.5;0.25\n2;3;-1\n"), read);
+  ExpectContains(Rows("# a\n# b\n"), "a.csv: is empty; a header is needed");
+  ExpectContains(Rows("# a\ntime_s,range_m\n"), "a.csv:2: the header lacks columns");
+  ExpectContains(Rows("# a\ntime_s,range_m,bearing_rad\n# b\nx,1,1\n"), "a.csv:4: not a number");
+}
+
+// As numpy writes it.
+TEST(CsvReader, AHeaderMayStandBehindTheMarkOfAComment) {
+  const std::string read = "1 - 2.5 0.25\n2 - 3 -1\n";
+  EXPECT_EQ(Rows("# me\n# time_s,range_m,bearing_rad\n1,2.5,0.25\n2,3,-1\n"), read);
+  EXPECT_EQ(Rows("#time_s;range_m;bearing_rad\n1;2.5;0.25\n2;3;-1\n"), read);
+  EXPECT_EQ(Rows("# time_s,range_m,bearing_rad\ntime_s,range_m,bearing_rad\n1,2.5,0.25\n2,3,-1\n"), read)
+      << "the one without a mark counts";
+  EXPECT_EQ(Rows("# time_s,range_m,bearing_rad\n"), "");
+}
+
+// A landmark may be called '#1'.
+TEST(CsvReader, WhereNamesComeFirstARowIsNoComment) {
+  const TestFolder folder;
+  BadLines bad(false);
+  CsvReader reader(folder.Put("a.csv", "# all\nlandmark,x_m,y_m\n# measured twice\n#1,2,3\n"),
+                   {{"landmark", "x_m", "y_m"}}, &bad);
+  ASSERT_TRUE(reader.Next());
+  EXPECT_EQ(reader.Text(0), "#1");
+  EXPECT_EQ(reader.line(), 4U);
+  EXPECT_FALSE(reader.Next());
+}
+
+TEST(CsvReader, ColumnsHaveLettersOfEitherCase) {
+  EXPECT_EQ(Rows("Time_s,ROBOT,Range_MM,bearing_Deg\n1,Anna,2500,0\n"), "1 Anna 2.5 0\n");
+  EXPECT_EQ(Rows("TIME_S,time_s,range_m,bearing_rad\n9,1,2,1\n"), "1 - 2 1\n") << "small ones count";
+  ExpectContains(Rows("TIME_S,Time_s,range_m,bearing_rad\n"), "a.csv:1: the header has time_s twice");
+  const TestFolder folder;
+  BadLines bad(false);
+  const CsvReader reader(folder.Put("a.csv", "Mood,A,Robot\n"), {{"a"}}, &bad);
+  EXPECT_EQ(reader.extra_columns(), (std::vector<std::string>{"Mood", "Robot"})) << "names as they are";
+}
+
 TEST(CsvReader, AColumnMayBeMissing) {
   EXPECT_EQ(Rows("time_s,robot,range_m,bearing_rad\n1,anna,2,1\n"), "1 anna 2 1\n");
 }

@@ -78,6 +78,8 @@ TEST_F(ImportCsvTest, OneRobotNeedsNoName) {
 TEST_F(ImportCsvTest, OfSeveralRobotsTheRobotIsNeeded) {
   options_.observations = folder_.Put("s.csv", "time_s,landmark,range_m,bearing_rad\n2,door,2,0.1\n");
   ExpectContains(Failure(), "s.csv:1: the header lacks 'robot'; odometry is of 2 robots");
+  options_.observations = folder_.Put("s.csv", "# mine\ntime_s,landmark,range_m,bearing_rad\n2,door,2,0.1\n");
+  ExpectContains(Failure(), "s.csv:2: the header lacks 'robot'");
 }
 
 TEST_F(ImportCsvTest, MoreRobotsThanAFleetHasAreRefused) {

@@ -47,7 +47,7 @@ ImportReport ImportErrors(const ErrorsImportOptions& options, Blob* errors) {
   reader.TakeExtraColumns();
   const std::size_t positions = reader.extra_columns().size();
   if (positions == 0 || positions > kMostPositions)
-    throw InputError(options.file + ":1: " + std::to_string(positions) +
+    throw InputError(reader.Place() + std::to_string(positions) +
                      " columns for positions beside x_m and y_m; allowed: 1 to " +
                      std::to_string(kMostPositions));
   ErrorTable table;

@@ -94,7 +94,7 @@ class ImagesImport {
   void AddRangeNames() {
     for (const std::string& name : ranges_->names()) {
       if (std::ranges::count(samples_.input_name, name) > 0)
-        throw InputError(options_.ranges + ":1: column '" + name + "' is one of " + Table() + " too");
+        throw InputError(options_.ranges + ": column '" + name + "' is one of " + Table() + " too");
       samples_.input_name.push_back(name);
     }
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "datasets/common/observation_doubts.h"
 #include "datasets/common/unit_doubts.h"
 #include "datasets/import/truth_doubts.h"
 #include "schema/error.h"
@@ -216,6 +217,7 @@ Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* repor
   log.Put("landmarks", Array::Texts(rows.landmarks));
   for (std::string& hole : OdometryHolesOf(log)) report->warnings.push_back(std::move(hole));
   for (std::string& robot : RobotsWithoutObservationsOf(log)) report->warnings.push_back(std::move(robot));
+  for (std::string& doubt : ObservationDoubtsOf(log)) report->warnings.push_back(std::move(doubt));
   if (rows.truth_landmarks) {
     log.Put("truth/landmarks/name", Array::Texts(rows.truth_landmarks->name));
     log.PutVector("truth/landmarks/x_m", rows.truth_landmarks->x_m);

@@ -129,7 +129,8 @@ void PutPoses(const std::string& prefix, const Poses& poses, Blob* blob);
 void DoubtPosesOf(const Poses& poses, const std::string& who, const std::string& table, ImportReport* report);
 
 // The blob of a log. `source`: what it was read from, for messages. Fills in the report's counts, its doubts
-// about units, and its warnings: nothing was observed, holes in the odometry (schema/kinds/odometry_holes.h).
+// about units, and its warnings: nothing was observed, holes in the odometry (schema/kinds/odometry_holes.h),
+// doubts about observations (common/observation_doubts.h).
 // Throws InputError for a log without controls.
 Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* report);
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "datasets/common/text_file.h"
+#include "datasets/import/csv_reader.h"
 
 namespace cairn::datasets {
 namespace {
@@ -104,8 +105,9 @@ std::optional<Recognized> RecognizeFile(const std::string& path) {
   while (lines.Next()) {
     const std::string_view line = lines.text(), word = line.substr(0, line.find(' '));
     if (Trim(line).empty() || line.starts_with('#') || line.starts_with("sep=")) continue;
-    if (line.find("time_") != line.npos) return RecognizeTable(path, line);
-    if (HasColumns(line, {"x_", "y_"}) && line.find_first_of(",;\t") != line.npos)
+    const std::string header = InSmallLetters(line);  // as the importers read it
+    if (header.find("time_") != header.npos) return RecognizeTable(path, header);
+    if (HasColumns(header, {"x_", "y_"}) && line.find_first_of(",;\t") != line.npos)
       return Recognized{"a table of what it costs to take one place for another",
                         "cairn import errors " + file + " errors.h5"};
     constexpr std::array kCarmen = {"PARAM", "ODOM",      "FLASER",      "RLASER", "ROBOTLASER1",

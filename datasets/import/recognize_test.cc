@@ -25,6 +25,7 @@ TEST(Recognize, TellsFilesByTheirFirstLine) {
   ExpectContains(command("costs.csv", "x_m,y_m,a,b\n0,0,0,2\n1,0,2,0\n"), "cairn import errors");
   ExpectContains(command("r.txt", "1216.6 1217.5 0.408 -0.016 0 0 0 -0.0696\n"), "--relations /");
   ExpectContains(command("e.csv", "time_s;turn_deg;forward_mm\n"), "cairn import csv --odometry");
+  ExpectContains(command("E.csv", "Time_s;Turn_DEG;FORWARD_mm\n"), "cairn import csv --odometry");
   ExpectContains(command("f.csv", "time_s,landmark,range_m,bearing_rad\n"), "--observations /");
   ExpectContains(command("g.csv", "time_s,x_m,y_m,heading_rad,sonar\n"), "cairn import vectors");
   const auto scans = Recognize(folder.Put("scans.csv", "time_s,r0,r1,r2\n0,1,2,3\n"));

@@ -15,7 +15,8 @@ TimedInputs::TimedInputs(const std::string& path, BadLines* bad) {
   CsvReader reader(path, {{"time_s", "run"}, {"time_s"}}, bad);
   reader.TakeExtraColumns();
   names_ = reader.extra_columns();
-  if (names_.empty()) throw InputError(path + ":1: the header has no inputs: columns beside time_s, run");
+  if (names_.empty())
+    throw InputError(reader.Place() + "the header has no inputs: columns beside time_s, run");
   has_runs_ = reader.header() == 0;
   const std::size_t first = has_runs_ ? 2 : 1;
   const std::optional<std::size_t> run = has_runs_ ? std::optional<std::size_t>(1) : std::nullopt;

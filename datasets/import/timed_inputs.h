@@ -14,7 +14,7 @@ class TimedInputs {
  public:
   // `time_s[,run]` and any other columns, each an input; plain or gzipped; without `run` the rows serve all
   // runs. Bad lines: a number that is none or too large for 32 bits, a time that runs backwards.
-  // Throws InputError "FILE:1: REASON" where there are no inputs.
+  // Throws InputError "FILE:LINE: REASON" where there are no inputs.
   TimedInputs(const std::string& path, BadLines* bad);
 
   const std::vector<std::string>& names() const { return names_; }

@@ -66,9 +66,9 @@ class VectorsImport {
     SampleColumns columns;
     columns.x = 1;
     columns.y = 2;
-    columns.input = InputColumns(path, &reader);
+    columns.input = InputColumns(&reader);
     if (has_heading_) columns.heading = 3;
-    FindOdometry(path, reader, &columns);
+    FindOdometry(reader, &columns);
     const std::int64_t bad_before = Total(bad_.counts());
     while (reader.Next()) {
       const auto row = ReadSampleRow(columns, run, &reader);
@@ -83,7 +83,7 @@ class VectorsImport {
   }
 
   // Where it stands, behind the pose.
-  void FindOdometry(const std::string& path, const CsvReader& reader, SampleColumns* columns) const {
+  void FindOdometry(const CsvReader& reader, SampleColumns* columns) const {
     const std::vector<std::string>& names = reader.extra_columns();
     const auto column = [&](const char* name) -> std::optional<std::size_t> {
       const auto place = std::ranges::find(names, name);
@@ -95,12 +95,12 @@ class VectorsImport {
     columns->forward = column(kForward);
     columns->left = column(kLeft);
     if (columns->turn.has_value() != columns->forward.has_value() || (columns->left && !columns->turn))
-      throw InputError(path + ":1: the header has some odometry; it takes " + kTurn + " and " + kForward +
-                       ", and may have " + kLeft);
+      throw InputError(reader.Place() + "the header has some odometry; it takes " + kTurn + " and " +
+                       kForward + ", and may have " + kLeft);
   }
 
   // For each input, where the reader has it.
-  std::vector<std::size_t> InputColumns(const std::string& path, CsvReader* reader) {
+  std::vector<std::size_t> InputColumns(CsvReader* reader) {
     reader->TakeExtraColumns();
     const std::vector<std::string>& names = reader->extra_columns();
     std::vector<std::string> inputs;
@@ -109,29 +109,30 @@ class VectorsImport {
     const bool has_heading = reader->header() == 0;
     if (samples_.runs.empty()) {
       if (inputs.empty())
-        throw InputError(path + ":1: the header has no inputs: columns beside time_s, x_m, y_m, heading_rad");
+        throw InputError(reader->Place() +
+                         "the header has no inputs: columns beside time_s, x_m, y_m, heading_rad");
       samples_.input_name = inputs;
       has_heading_ = has_heading;
     }
-    if (has_heading && !has_heading_) ThrowColumnMismatch(path, "heading_rad", true);
-    if (!has_heading && has_heading_) ThrowColumnMismatch(path, "heading_rad", false);
+    if (has_heading && !has_heading_) ThrowColumnMismatch(reader->Place(), "heading_rad", true);
+    if (!has_heading && has_heading_) ThrowColumnMismatch(reader->Place(), "heading_rad", false);
     const auto known = PlacesOf(samples_.input_name), places = PlacesOf(names);
     for (const std::string& name : inputs) {
-      if (!known.contains(name)) ThrowColumnMismatch(path, name, true);
+      if (!known.contains(name)) ThrowColumnMismatch(reader->Place(), name, true);
     }
     std::vector<std::size_t> columns;
     const std::size_t first = has_heading ? kPoseAndHeading.size() : kPose.size();
     for (const std::string& name : samples_.input_name) {
       const auto place = places.find(name);
-      if (place == places.end()) ThrowColumnMismatch(path, name, false);
+      if (place == places.end()) ThrowColumnMismatch(reader->Place(), name, false);
       columns.push_back(first + place->second);
     }
     return columns;
   }
 
   // `has`: this file has the column and the first one lacks it; else the other way round.
-  [[noreturn]] void ThrowColumnMismatch(const std::string& path, const std::string& column, bool has) const {
-    throw InputError(path + ":1: the header " + (has ? "has" : "lacks") + " column '" + column + "', which " +
+  [[noreturn]] void ThrowColumnMismatch(const std::string& place, const std::string& column, bool has) const {
+    throw InputError(place + "the header " + (has ? "has" : "lacks") + " column '" + column + "', which " +
                      options_.runs.front() + (has ? " lacks" : " has") + "; all runs have the same columns");
   }
 

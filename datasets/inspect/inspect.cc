@@ -8,6 +8,7 @@
 #include "datasets/common/array_text.h"
 #include "datasets/common/landmark_map_verdict.h"
 #include "datasets/common/local_map_verdict.h"
+#include "datasets/common/observation_doubts.h"
 #include "datasets/common/unit_doubts.h"
 #include "schema/kinds/grid_map.h"
 #include "schema/kinds/kind.h"
@@ -236,6 +237,8 @@ Result<Inspection> Inspect(const std::string& path) {
   inspection.warnings = OdometryHolesOf(blob);
   for (std::string& robot : RobotsWithoutObservationsOf(blob))
     inspection.warnings.push_back(std::move(robot));
+  if (inspection.kind == "log")
+    for (std::string& doubt : ObservationDoubtsOf(blob)) inspection.warnings.push_back(std::move(doubt));
   for (const DatasetInfo& dataset : info.value().datasets) {
     inspection.datasets.push_back(Summarize(dataset, blob.at(dataset.name)));
   }

@@ -27,7 +27,8 @@ struct Inspection {
   std::vector<std::pair<std::string, std::string>> facts;
   // What no robot does, of a log, samples or poses (common/unit_doubts.h).
   std::vector<std::string> unit_doubts;
-  std::vector<std::string> warnings;  // of a log: holes in its odometry, robots without observations
+  std::vector<std::string> warnings;  // of a log: holes in its odometry, robots without observations,
+                                      // doubts about observations
   std::vector<DatasetSummary> datasets;
   bool changed = false;  // by another program, since Cairn wrote it
   // The first array that is not as its kind's should be; empty: all are (kinds/kind.h).

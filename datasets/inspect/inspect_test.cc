@@ -38,6 +38,19 @@ TEST(Inspect, TellsWhatALogHolds) {
   ExpectContains(text, "  noise/range_m                     float64  []            m      0.1\n");
 }
 
+TEST(Inspect, WarnsOfObservationsThatNoMapIsMadeOf) {
+  Blob log = SmallLog();
+  log.Put("landmarks", Array::Texts({"Rosa"}));
+  const auto seen = log.Get<double>("robot/0/observations/bearing_rad");
+  std::vector<double> bearings(seen.begin(), seen.end());
+  EXPECT_FALSE(std::isnan(bearings[0]));
+  bearings[0] = std::nan("");
+  log.PutVector("robot/0/observations/bearing_rad", bearings);
+  const std::string text = InspectText(Inspected(log, "log"));
+  ExpectContains(text, "  warning: robots and landmarks have names in common: 'Rosa'");
+  ExpectContains(text, "  warning: 1 observation has a range without a bearing");
+}
+
 TEST(Inspect, NamesAreAsWideAsTheirCharacters) {
   Blob log = SmallLog();
   log.Put("robots", Array::Texts({"Öß", "a/b"}));
