@@ -10,6 +10,11 @@ std::string FieldName(std::size_t field) { return "field " + std::to_string(fiel
 
 }  // namespace
 
+LineError UnknownMessage(std::string_view name) {
+  constexpr std::size_t kShown = 40;
+  return {"unknown message", "'" + std::string(name.substr(0, kShown)) + "'"};
+}
+
 Fields::Fields(std::string_view line) {
   constexpr std::string_view kBlanks = " \t";
   for (std::string_view rest = Trim(line); !rest.empty(); rest = Trim(rest)) {

@@ -17,6 +17,9 @@ struct LineError {
   std::string reason, detail;
 };
 
+// Of a line whose first word, of which the beginning is said, names no message that the format has.
+LineError UnknownMessage(std::string_view name);
+
 class Fields {
  public:
   explicit Fields(std::string_view line);

@@ -12,16 +12,6 @@ namespace {
 
 void NoTick() {}
 
-double BestOfAllMaps(const TinyWorld& world) {
-  double best = -std::numeric_limits<double>::infinity();
-  std::vector<std::uint8_t> map(world.truth.size());
-  for (std::uint32_t number = 0; number < 1U << map.size(); ++number) {
-    for (std::size_t cell = 0; cell < map.size(); ++cell) map[cell] = (number >> cell) & 1U;
-    best = std::max(best, LogLikelihood(world.data, map, world.model));
-  }
-  return best;
-}
-
 // How many of the worlds end in the best of all maps.
 int CountOptimal(const std::vector<TinyWorld>& worlds, const std::vector<double>& best, const Moves& moves) {
   int optimal = 0;

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "pipelines/common/range_scans.h"
@@ -100,6 +102,17 @@ struct TinyWorld {
     return model.z_max_m;
   }
 };
+
+// The log likelihood of the best of all maps of so small a world.
+inline double BestOfAllMaps(const TinyWorld& world) {
+  double best = -std::numeric_limits<double>::infinity();
+  std::vector<std::uint8_t> map(world.truth.size());
+  for (std::uint32_t number = 0; number < 1U << map.size(); ++number) {
+    for (std::size_t cell = 0; cell < map.size(); ++cell) map[cell] = (number >> cell) & 1U;
+    best = std::max(best, LogLikelihood(world.data, map, world.model));
+  }
+  return best;
+}
 
 inline std::vector<RangeScans> SensorsOf(const Room& room) {
   return ReadRangeScans(room.Log(), nullptr, {}).sensors;

@@ -175,20 +175,7 @@ Result<Open> OpenDataset(hid_t file, const std::string& name, hid_t access = H5P
 }
 
 Handle MemoryType(const Open& open) {
-  switch (open.info.type) {
-    case DType::kU8:
-      return {H5Tcopy(H5T_STD_U8LE), H5Tclose};
-    case DType::kI32:
-      return {H5Tcopy(H5T_STD_I32LE), H5Tclose};
-    case DType::kI64:
-      return {H5Tcopy(H5T_STD_I64LE), H5Tclose};
-    case DType::kF32:
-      return {H5Tcopy(H5T_IEEE_F32LE), H5Tclose};
-    case DType::kF64:
-      return {H5Tcopy(H5T_IEEE_F64LE), H5Tclose};
-    case DType::kText:
-      break;
-  }
+  if (open.info.type != DType::kText) return NumberType(open.info.type);
   Handle text(H5Tcopy(open.type.get()), H5Tclose);
   if (!open.variable_text) H5Tset_strpad(text.get(), H5T_STR_NULLPAD);
   return text;

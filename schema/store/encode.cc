@@ -104,23 +104,9 @@ bool PutTextAttribute(hid_t object, const char* name, const std::string& text) {
   return PutAttribute(object, name, TextType(padded.size()).get(), padded.data());
 }
 
-// Memory and file type are the same: blobs are little-endian.
+// In memory as in the file.
 Handle TypeOf(const Array& array) {
-  switch (array.type()) {
-    case DType::kU8:
-      return {H5Tcopy(H5T_STD_U8LE), H5Tclose};
-    case DType::kI32:
-      return {H5Tcopy(H5T_STD_I32LE), H5Tclose};
-    case DType::kI64:
-      return {H5Tcopy(H5T_STD_I64LE), H5Tclose};
-    case DType::kF32:
-      return {H5Tcopy(H5T_IEEE_F32LE), H5Tclose};
-    case DType::kF64:
-      return {H5Tcopy(H5T_IEEE_F64LE), H5Tclose};
-    case DType::kText:
-      return TextType(array.item_bytes());
-  }
-  return {};
+  return array.type() == DType::kText ? TextType(array.item_bytes()) : NumberType(array.type());
 }
 
 Handle CreationOf(const Array& array, const Shape& shape) {

@@ -23,6 +23,24 @@ herr_t Visit(unsigned, const H5E_error2_t* error, void* data) {
 
 }  // namespace
 
+Handle NumberType(DType type) {
+  switch (type) {
+    case DType::kU8:
+      return {H5Tcopy(H5T_STD_U8LE), H5Tclose};
+    case DType::kI32:
+      return {H5Tcopy(H5T_STD_I32LE), H5Tclose};
+    case DType::kI64:
+      return {H5Tcopy(H5T_STD_I64LE), H5Tclose};
+    case DType::kF32:
+      return {H5Tcopy(H5T_IEEE_F32LE), H5Tclose};
+    case DType::kF64:
+      return {H5Tcopy(H5T_IEEE_F64LE), H5Tclose};
+    case DType::kText:
+      break;
+  }
+  return {};
+}
+
 std::mutex& LibraryMutex() {
   static std::mutex mutex;
   return mutex;

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "schema/array.h"
+
 namespace cairn::store {
 
 // An HDF5 identifier with the function that closes it.
@@ -39,6 +41,9 @@ class Handle {
   hid_t id_ = -1;
   Closer closer_ = nullptr;
 };
+
+// Of numbers, in the file as in memory: blobs are little-endian. Of text there is none.
+Handle NumberType(DType type);
 
 // Held by whoever is inside HDF5, which has one lock for all of itself anyway; with it held no other thread
 // is, and the process may fork.

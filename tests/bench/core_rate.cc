@@ -8,39 +8,16 @@
 #include <deque>
 
 #include "coordinator/core/core.h"
+#include "coordinator/core/testing/test_job.h"
 
 namespace cairn::bench {
 namespace {
 
 using namespace coordinator;  // NOLINT: events and actions, all over this file
 
-Hash Numbered(std::uint64_t number) {
-  Hasher hasher;
-  hasher.Add(number);
-  return hasher.Finish();
-}
-
-proto::Job OneStage() {
-  proto::Job job;
-  job.set_name("bench");
-  (*job.mutable_input_blobs())["log"] = Numbered(0).Binary();
-  proto::Stage& stage = *job.add_stages();
-  stage.set_name("stage");
-  stage.set_pipeline("bench");
-  (*stage.mutable_inputs())["log"] = "log";
-  return job;
-}
-
-proto::Step StepOf(std::uint32_t tasks) {
-  proto::Step step;
-  for (std::uint32_t i = 0; i < tasks; ++i) {
-    proto::Task& task = *step.add_tasks();
-    task.set_index(i);
-    task.set_cost(1);
-    proto::InputRef& input = *task.add_inputs();
-    input.set_name("log");
-    input.set_blob(Numbered(0).Binary());
-  }
+proto::Step StepOf(int tasks) {
+  proto::Step step = TestStep(tasks, "", H(0));
+  for (proto::Task& task : *step.mutable_tasks()) task.set_cost(1);
   return step;
 }
 
@@ -53,7 +30,7 @@ class Run {
       hello.set_slots(slots);
       Do(WorkerHello{Peer(i), hello});
     }
-    Do(SubmitJob{"job", OneStage(), {Numbered(0)}});
+    Do(SubmitJob{"job", TestJob(1, H(0)), {H(0)}});
   }
 
   // Until the job's last task is answered; returns how many events that took.
@@ -82,17 +59,17 @@ class Run {
     wire::Done done;
     *done.mutable_key() = given.key;
     if (given.key.kind() == wire::TaskKey::RUN) {
-      const Hash partial = Numbered(1 + given.key.task());
+      const Hash partial = H(1 + given.key.task());
       done.set_partial(partial.Binary());
       Do(TaskDone{given.peer, done, {partial}});
       return;
     }
     if (given.key.kind() == wire::TaskKey::START) {
-      *done.mutable_step() = StepOf(tasks_);
+      *done.mutable_step() = StepOf(static_cast<int>(tasks_));
       Do(TaskDone{given.peer, done, {}});
       return;
     }
-    const Hash result = Numbered(~0ull);
+    const Hash result = H(~0ull);
     done.mutable_step()->set_result(result.Binary());
     Do(TaskDone{given.peer, done, {result}});
   }

@@ -2,8 +2,6 @@
 #include "coordinator/server/service.h"
 
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 
 #include <atomic>
 #include <fstream>
@@ -15,6 +13,7 @@
 #include "pipelines/testing/in_process.h"
 #include "schema/numerics.h"
 #include "schema/wire/testing/private_folder.h"
+#include "schema/wire/testing/raw_peer.h"
 #include "tests/conformance/cases.h"
 #include "tests/conformance/process.h"
 
@@ -22,19 +21,6 @@ namespace cairn::conformance {
 namespace {
 
 using coordinator::Client;
-
-std::string FreeTcpEndpoint() {
-  const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  CAIRN_DEMAND(::bind(fd, reinterpret_cast<sockaddr*>(&address), size) == 0 &&
-                   ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0,
-               "no free port");
-  ::close(fd);
-  return "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
-}
 
 class TcpService : public ::testing::Test {
  protected:
@@ -80,7 +66,7 @@ class TcpService : public ::testing::Test {
   }
 
   const wire::PrivateFolder folder_;
-  const std::string endpoint_ = FreeTcpEndpoint();
+  const std::string endpoint_ = wire::FreeTcpEndpoint();
   std::map<std::string, wire::KeyPair> keys_;
   std::atomic<bool> stop_{false};
   Status status_;

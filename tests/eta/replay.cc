@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "coordinator/core/core.h"
+#include "coordinator/core/testing/test_job.h"
 #include "schema/error.h"
 
 namespace cairn::eta {
@@ -19,28 +20,11 @@ using namespace coordinator;  // NOLINT: events and actions, all over this file
 constexpr double kTick_s = 0.1, kHeartbeat_s = 1, kLook_s = 0.5;
 constexpr double kMessage_s = 0.001;  // from a worker to the next task
 
-Hash Numbered(std::uint64_t number) {
-  Hasher hasher;
-  hasher.Add(number);
-  return hasher.Finish();
-}
-
-proto::Job OneStage() {
-  proto::Job job;
-  job.set_name("replay");
-  (*job.mutable_input_blobs())["log"] = Numbered(0).Binary();
-  proto::Stage& stage = *job.add_stages();
-  stage.set_name("stage");
-  stage.set_pipeline("replay");
-  (*stage.mutable_inputs())["log"] = "log";
-  return job;
-}
-
 class Replayer {
  public:
   Replayer(const Trace& trace, const eta::Fleet& fleet) : trace_(trace), core_(OptionsOfTest()) {
     for (; joined_ < fleet.workers;) Join();
-    Do(SubmitJob{"job", OneStage(), {Numbered(0)}});
+    Do(SubmitJob{"job", TestJob(1, H(0)), {H(0)}});
   }
 
   std::vector<Said> Run(const eta::Fleet& fleet) {
@@ -170,7 +154,7 @@ class Replayer {
     TaskDone event{peer, {}, {}};
     *event.done.mutable_key() = key;
     if (key.kind() == wire::TaskKey::RUN) {
-      const Hash partial = Numbered(++answers_);
+      const Hash partial = H(++answers_);
       event.done.set_partial(partial.Binary());
       event.blobs = {partial};
     } else {
@@ -178,8 +162,8 @@ class Replayer {
       if (next < trace_.rounds.size()) {
         *event.done.mutable_step() = trace_.rounds[next].step;
       } else {
-        event.done.mutable_step()->set_result(Numbered(1).Binary());
-        event.blobs = {Numbered(1)};
+        event.done.mutable_step()->set_result(H(1).Binary());
+        event.blobs = {H(1)};
       }
     }
     Do(event);

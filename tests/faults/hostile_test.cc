@@ -15,18 +15,6 @@ namespace {
 
 constexpr std::size_t kMostMemory_kb = 600'000;  // of the coordinator, at its highest
 
-// Nobody else's, as far as anybody can know.
-int FreePort() {
-  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address = wire::RawTcp::Loopback(0);
-  socklen_t size = sizeof address;
-  CAIRN_DEMAND(::bind(fd, reinterpret_cast<sockaddr*>(&address), size) == 0 &&
-                   ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0,
-               "no port");
-  ::close(fd);
-  return ntohs(address.sin_port);
-}
-
 std::size_t HighestMemory_kb(pid_t pid) {
   std::ifstream status("/proc/" + std::to_string(pid) + "/status");
   for (std::string word; status >> word;) {
@@ -42,8 +30,8 @@ class Hostile : public Faults {
   void SetUp() override {
     FixNumericsOfProcess();
     FixNumericsOfThread();
-    port_ = FreePort();
-    endpoint_ = "tcp://127.0.0.1:" + std::to_string(port_);
+    endpoint_ = wire::FreeTcpEndpoint();
+    port_ = wire::PortOf(endpoint_);
     std::ofstream list(folder_.path() / "allowed");
     for (const auto& [name, role] : std::map<std::string, std::string>{
              {"worker", "worker"}, {"client", "submitter"}, {"wicked", "worker"}}) {

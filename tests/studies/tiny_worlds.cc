@@ -18,16 +18,6 @@ enum class Method { kFlips, kSwaps, kPairs, kAll, kAnnealed };
 constexpr Method kMethods[] = {Method::kFlips, Method::kSwaps, Method::kPairs, Method::kAll,
                                Method::kAnnealed};
 
-double BestOfAllMaps(const TinyWorld& world) {
-  double best = -std::numeric_limits<double>::infinity();
-  std::vector<std::uint8_t> map(world.truth.size());
-  for (std::uint32_t number = 0; number < 1U << map.size(); ++number) {
-    for (std::size_t cell = 0; cell < map.size(); ++cell) map[cell] = (number >> cell) & 1U;
-    best = std::max(best, LogLikelihood(world.data, map, world.model));
-  }
-  return best;
-}
-
 // From `start`, with sigma `factor` times as large.
 Patch Searched(const TinyWorld& world, Patch start, double factor, const Moves& moves) {
   SensorModel model = world.model;

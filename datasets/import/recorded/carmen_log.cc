@@ -49,7 +49,7 @@ class Reader {
       ++report_->dropped[message + ", which is not used"];
       return;
     } else {
-      throw LineError{"unknown message", "'" + message.substr(0, 40) + "'"};
+      throw UnknownMessage(message);
     }
     ++report_->read[message];
     log_.events.push_back(std::move(event));

@@ -21,8 +21,7 @@ class DpSlamLines {
       pose_ = line.PoseAt(1);
       return;
     }
-    if (line.Text(0) != "Laser")
-      throw LineError{"unknown message", "'" + std::string(line.Text(0).substr(0, 40)) + "'"};
+    if (line.Text(0) != "Laser") throw UnknownMessage(line.Text(0));
     const std::size_t beams = line.Count(1, kMostDpslamBeams);
     line.Need(2 + beams, std::to_string(beams) + " readings");
     if (beams < 2) throw LineError{"no count", "a scan has two beams or more"};

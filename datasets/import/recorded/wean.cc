@@ -23,7 +23,7 @@ RangeEvent EventOf(const Fields& line, std::size_t number) {
     event.range_m = line.Ranges(kRanges, kWeanBeams, kMostWeanRange_m * kCentimetres);
     for (double& range : event.range_m) range /= kCentimetres;
   } else {
-    throw LineError{"unknown message", "'" + std::string(line.Text(0).substr(0, 40)) + "'"};
+    throw UnknownMessage(line.Text(0));
   }
   event.odometry = line.PoseAt(1, kCentimetres);
   event.stamp_s = line.Stamp(line.size() - 1);

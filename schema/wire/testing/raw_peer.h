@@ -115,4 +115,7 @@ class RawListener {
   std::string endpoint_;
 };
 
+// Nobody else's, as far as anybody can know.
+inline std::string FreeTcpEndpoint() { return RawListener().endpoint(); }
+
 }  // namespace cairn::wire
