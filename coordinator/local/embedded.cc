@@ -211,8 +211,12 @@ Status Run::Open() {
   server.given_inputs = inputs_;
   server.result_path = [this](const std::string&, const std::string& stage) { return ResultFile(stage); };
   server.result_files = [this](const std::string&) { return PublishedByThisRun(); };
-  server_ = std::make_unique<Server>(folder_, *transport_, std::move(table).value(), std::move(server),
-                                     WithoutTheEnd(options_.log));
+  try {
+    server_ = std::make_unique<Server>(folder_, *transport_, std::move(table).value(), std::move(server),
+                                       WithoutTheEnd(options_.log));
+  } catch (const UnreadableStore& error) {
+    return {Code::kIo, error.what()};
+  }
   return Status::Ok();
 }
 

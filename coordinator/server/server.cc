@@ -193,9 +193,10 @@ Status Server::ForUsers(const Status& status) const {
   if (status.ok() || options_.given_inputs || status.message().find(store) == std::string::npos)
     return status;  // a private run's store is its user's own
   log_(Severity::kWarning, status.message());
+  constexpr std::string_view kShown = "store/";
   std::string message = status.message();
-  for (std::size_t at = 0; (at = message.find(store, at)) != std::string::npos;)
-    message.replace(at, store.size(), "store/");
+  for (std::size_t at = 0; (at = message.find(store, at)) != std::string::npos; at += kShown.size())
+    message.replace(at, store.size(), kShown);
   return {status.code(), message};
 }
 

@@ -70,6 +70,22 @@ TEST(ServerRequests, AJobThatCannotBeSavedIsRefusedAndItsNumberGivenToNobodyElse
   EXPECT_EQ(fixture.server->core().Jobs()[0].id(), "2-toy");
 }
 
+// A store that is called what users are told instead: the message was searched for ever.
+TEST(ServerRequests, AStoreOfARelativeNameIsNamedToUsersAsAnyOther) {
+  ServerFixture fixture;
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(fixture.temp.path());
+  for (const char* name : {"store", "re"}) {
+    fixture.store_dir = name;
+    fixture.Start();
+    std::ofstream(fixture.folder->Checkpoints() / "1-toy") << "in the way";
+    const wire::Reply refused = fixture.Ask(fixture.Submission(fixture.MakeJob()));
+    EXPECT_FALSE(refused.ok());
+    EXPECT_NE(refused.message().find("store/checkpoints/1-toy"), std::string::npos) << refused.message();
+  }
+  std::filesystem::current_path(before);
+}
+
 TEST(ServerRequests, ACommandThatCannotBeSavedIsRefusedAndAfterARestartNothingOfItIsThere) {
   ServerFixture fixture;
   EXPECT_EQ(fixture.Ask(fixture.Submission(fixture.MakeJob(), true)).jobs(0).id(), "1-toy");

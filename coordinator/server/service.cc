@@ -89,10 +89,16 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
     return dir / "results" / job;
   };
   folder.value().FinishForgetting(server_options.results_folder);
-  Server server(folder.value(), *transport.value(), std::move(table).value(), std::move(server_options), log);
+  std::optional<Server> server;
+  try {
+    server.emplace(folder.value(), *transport.value(), std::move(table).value(), std::move(server_options),
+                   log);
+  } catch (const UnreadableStore& error) {
+    return {Code::kIo, error.what()};
+  }
   log(Severity::kInfo, "listening on " + options.listen + ", store " + options.store_dir);
-  while (!stop) server.Step(kStep_s);
-  if (!server.Shut(kPatience_s)) log(Severity::kWarning, "ended before the last rounds were saved");
+  while (!stop) server->Step(kStep_s);
+  if (!server->Shut(kPatience_s)) log(Severity::kWarning, "ended before the last rounds were saved");
   return Status::Ok();
 }
 

@@ -46,6 +46,8 @@ BlobFiles::BlobFiles(const StoreFolder& folder) : folder_(folder) {
     const Result<std::vector<wire::NamedBlob>> blobs = ReadPack(pack);
     if (blobs.ok())
       Index(pack, blobs.value());
+    else if (SaysNothing(blobs.status()))
+      throw UnreadableStore(blobs.status());
     else if (blobs.status().code() == Code::kCorrupt)
       cairn::coordinator::Quarantine(pack);
   }

@@ -173,6 +173,10 @@ Status StoreFolder::MakeFolders() const {
     if (Status status = WriteTextAtomically(VersionFile(), std::to_string(kStoreVersion) + "\n");
         !status.ok())
       return status;
+  std::error_code none;
+  if (version.value() == kStoreVersion && !fs::exists(Blobs(), none) && !JobsWithCheckpoints().empty())
+    return {Code::kCorrupt,
+            Blobs().string() + " is gone, and jobs need it: is its disk not mounted? Nothing was touched"};
   for (const fs::path& folder : {Blobs(), Checkpoints(), Uploads()}) {
     std::error_code error;
     fs::create_directories(folder, error);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,12 +19,29 @@ namespace cairn::coordinator {
 // blobs.
 inline constexpr int kStoreVersion = 3;
 
+// Thrown where a file of a store may be whole and yet cannot be read (the disk fails, a right is missing):
+// what it names is not known, so that nothing may be quarantined or removed for its sake.
+struct UnreadableStore : std::runtime_error {
+  explicit UnreadableStore(const Status& status)
+      : std::runtime_error(
+            status.message() +
+            ": the store is left as it is; start again, or, where the disk is bad, move that file "
+            "away") {}
+};
+
+// Whether `status` of a file says no more than that it could not be looked at.
+inline bool SaysNothing(const Status& status) {
+  return !status.ok() && status.code() != Code::kCorrupt && status.code() != Code::kNotFound &&
+         status.code() != Code::kVersion;
+}
+
 class StoreFolder {
  public:
   // Makes it where it does not exist, with mode 0700, and locks it until the object goes.
   // kCorrupt: a folder that holds something, but no store.
   // kBusy: another process has it.
   // kRefused: there is a link in it (but among a service's results); nothing is followed out of a store.
+  // kCorrupt, too: it has checkpoints, and a folder that they need is gone (a disk that is not mounted).
   // kVersion: it is of a newer version, or from before files had checksum trailers; then nothing in it is
   // touched.
   static Result<StoreFolder> Open(const std::filesystem::path& dir);

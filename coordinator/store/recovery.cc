@@ -28,13 +28,15 @@ bool IsInput(const proto::Job& job, const Hash& hash) {
                              [&](const auto& input) { return input.second == hash.Binary(); });
 }
 
-// Quarantines what is damaged of it; true where all that the store must have can be read.
+// Quarantines what is damaged of it; true where all that the store must have can be read. Throws
+// UnreadableStore.
 bool BlobsAreGood(BlobFiles& files, const proto::Checkpoint& checkpoint, InputsOf inputs,
                   const JobLogSink& log) {
   for (const Hash& hash : BlobsOf(checkpoint)) {
     if (inputs == InputsOf::kUser && IsInput(checkpoint.job(), hash)) continue;
     const Status blob = files.Check(hash);
     if (blob.ok()) continue;
+    if (SaysNothing(blob)) throw UnreadableStore(blob);
     log(Severity::kWarning, checkpoint.job_id(), blob.message());
     if (blob.code() == Code::kCorrupt) files.Quarantine(hash);
     return false;
@@ -42,7 +44,8 @@ bool BlobsAreGood(BlobFiles& files, const proto::Checkpoint& checkpoint, InputsO
   return true;
 }
 
-// The newest that is good, from `numbers` (ascending), which loses it and all that were newer.
+// The newest that is good, from `numbers` (ascending), which loses it and all that were newer. Throws
+// UnreadableStore.
 std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, BlobFiles& files,
                                             const std::string& job, std::vector<std::uint64_t>& numbers,
                                             InputsOf inputs, const JobLogSink& log) {
@@ -50,6 +53,7 @@ std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, BlobFiles
     const fs::path path = folder.CheckpointFile(job, numbers.back());
     numbers.pop_back();
     Result<proto::Checkpoint> checkpoint = ReadCheckpoint(path);
+    if (SaysNothing(checkpoint.status())) throw UnreadableStore(checkpoint.status());
     if (checkpoint.ok() && checkpoint.value().job_id() == job &&
         BlobsAreGood(files, checkpoint.value(), inputs, log))
       return std::move(checkpoint).value();
@@ -120,13 +124,16 @@ std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, Inp
   MakeDurable(folder, log);
   std::vector<RestoreJob> jobs;
   std::set<Hash> named;
+  bool all_known = true;
   for (const std::string& job : folder.JobsWithCheckpoints()) {
     std::vector<std::uint64_t> numbers = folder.CheckpointNumbers(job);
+    const std::size_t before_count = numbers.size();
     // Cut off before its first checkpoint was there: nobody was told that there is such a job.
     std::error_code not_empty;
     if (numbers.empty() && fs::remove(folder.Checkpoints() / job, not_empty)) continue;
     const std::uint64_t next = numbers.empty() ? 1 : numbers.back() + 1;
     std::optional<proto::Checkpoint> newest = TakeNewest(folder, files, job, numbers, inputs, log);
+    all_known = all_known && newest && numbers.size() + 1 == before_count;
     if (!newest) newest = MakeOfResults(folder, job, next, published, log);
     if (!newest) {
       log(Severity::kError, "", "job " + job + " has no checkpoint left that can be read; it is lost");
@@ -146,7 +153,8 @@ std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, Inp
     named.insert(restore.previous_blobs.begin(), restore.previous_blobs.end());
     jobs.push_back(std::move(restore));
   }
-  files.RemoveAllBut(named);
+  // What a damaged checkpoint named may be all that is left of its job: `cairn clean` removes it, when told.
+  if (all_known) files.RemoveAllBut(named);
   std::sort(jobs.begin(), jobs.end(), [](const RestoreJob& a, const RestoreJob& b) {
     return std::tuple(a.checkpoint.order(), a.checkpoint.job_id()) <
            std::tuple(b.checkpoint.order(), b.checkpoint.job_id());

@@ -285,6 +285,66 @@ TEST(Recovery, OfTheCheckpointBeforeOnlyBlobsThatAreThereAreKept) {
   EXPECT_EQ(jobs[0].previous_blobs, (std::vector{b.hash, c.hash}));
 }
 
+// Of a job, with its blob, and one more that nothing names.
+struct SavedJob {
+  SavedJob() {
+    fs::create_directories(folder.value().Checkpoints() / "a");
+    for (const wire::NamedBlob& named : {b, other})
+      EXPECT_TRUE(WriteBlobFile(folder.value().BlobFile(named.hash), "blob", *named.blob).ok());
+    EXPECT_TRUE(WriteCheckpoint(folder.value().CheckpointFile("a", 3), SomeCheckpoint()).ok());
+  }
+  std::size_t Recovered() {
+    BlobFiles files(folder.value());
+    return Recover(folder.value(), files, InputsOf::kStore, {},
+                   [](Severity, const std::string&, const std::string&) {})
+        .size();
+  }
+  TempFolder temp;
+  Result<StoreFolder> folder = StoreFolder::Open(temp.path() / "s");
+  const wire::NamedBlob b = TextBlob("b"), other = TextBlob("other");
+};
+
+// As of a disk that fails for a moment: a folder where the file was. What is there is not known.
+TEST(Recovery, WhatCannotBeReadAndMayBeWholeIsNeitherQuarantinedNorRemoved) {
+  for (const bool checkpoint : {false, true}) {
+    SavedJob saved;
+    const fs::path file = checkpoint ? saved.folder.value().CheckpointFile("a", 3)
+                                     : saved.folder.value().BlobFile(saved.b.hash);
+    const fs::path aside = saved.temp.path() / "aside";
+    fs::rename(file, aside);
+    fs::create_directory(file);
+    EXPECT_THROW(saved.Recovered(), UnreadableStore);
+    fs::remove(file);
+    fs::rename(aside, file);
+    EXPECT_EQ(saved.Recovered(), 1u) << "nothing was lost";
+    EXPECT_FALSE(fs::exists(saved.folder.value().BlobFile(saved.other.hash))) << "what nothing names goes";
+  }
+}
+
+TEST(Recovery, WhereACheckpointIsDamagedNoBlobIsRemoved) {
+  SavedJob saved;
+  std::ofstream(saved.folder.value().CheckpointFile("a", 3)) << "damaged";
+  for (int start = 0; start < 2; ++start) {
+    EXPECT_EQ(saved.Recovered(), 0u);
+    EXPECT_TRUE(fs::exists(saved.folder.value().BlobFile(saved.b.hash))) << "it may be a log of the user's";
+  }
+}
+
+TEST(StoreFolder, OneWhoseBlobsAreNotMountedIsRefusedAndNotTouched) {
+  SavedJob saved;
+  const fs::path store = saved.temp.path() / "s", away = saved.temp.path() / "away";
+  {
+    const StoreFolder closed = std::move(saved.folder).value();
+  }
+  fs::rename(store / "blobs", away);
+  const Status refused = StoreFolder::Open(store).status();
+  EXPECT_EQ(refused.code(), Code::kCorrupt);
+  EXPECT_NE(refused.message().find("not mounted"), std::string::npos) << refused.message();
+  EXPECT_FALSE(fs::exists(store / "blobs"));
+  fs::rename(away, store / "blobs");
+  EXPECT_TRUE(StoreFolder::Open(store).ok());
+}
+
 TEST(BlobStore, EvictsDurableBlobsOnlyAndReadsThemBack) {
   TempFolder temp;
   auto folder = StoreFolder::Open(temp.path() / "s");

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "datasets/common/moved_landmarks.h"
 #include "schema/kinds/landmark_map.h"
@@ -112,6 +113,35 @@ Verdict::Doubt OfJumps(const kinds::LandmarkMap::Fit& fit) {
                       fit.worst_odometry_s.Or(0))};
 }
 
+// A slip of odometry between two halves that share no landmark moves one of them, and nothing else says so.
+Verdict::Doubt OfHalves(const kinds::LandmarkMap::Fit& fit) {
+  constexpr std::int64_t kEnough = 2;
+  if (fit.fewest_common.Or(kEnough) >= kEnough) return {Confidence::kHigh};
+  return {
+      Confidence::kFair,
+      fmt::format("what was seen before {:.1f} s and after hangs together by {}odometry alone: a slip there "
+                  "would not show",
+                  fit.fewest_common_s.Or(0), fit.fewest_common.Scalar() == 0 ? "" : "one landmark and ")};
+}
+
+// A map may be as exact as it says and yet too vague to be called right.
+Verdict::Doubt OfUncertainty(const kinds::LandmarkMap& map, Verdict* verdict) {
+  constexpr double kVague_m = 1;
+  constexpr double k95 = 5.991;  // chi-square of two degrees of freedom
+  double most_m2 = 0;
+  const std::span<const double> c = map.map.landmark_covariance_m2.OrNone();
+  for (std::size_t i = 0; i + 3 < c.size(); i += 4) {
+    const double mean = (c[i] + c[i + 3]) / 2;
+    most_m2 = std::max(most_m2, mean + std::hypot((c[i] - c[i + 3]) / 2, c[i + 1]));
+  }
+  if (most_m2 == 0) return {Confidence::kHigh};
+  const double radius_m = std::sqrt(k95 * most_m2);
+  verdict->numbers.emplace_back("worst_landmark_95_m", radius_m);
+  if (radius_m <= kVague_m) return {Confidence::kHigh};
+  return {Confidence::kFair,
+          fmt::format("by its own account the least certain landmark may be {:.1f} m off", radius_m)};
+}
+
 // By how much a scale is off: of one as many times too large as too small.
 double Off(double scale) { return std::abs(std::log(scale)); }
 
@@ -206,8 +236,8 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, Verdict* ve
   verdict->why = named ? fitted : verdict->why + "; " + fitted;
   for (const Verdict::Doubt& doubt :
        {OfMisfits(fit), WhereStartsDisagree(map, OfWidths(fit)), WhereStartsDisagree(map, OfRun(fit)),
-        WhereStartsDisagree(map, OfJumps(fit)), OfDistances(map, verdict), OfTurns(map, verdict),
-        OfRangeOffsets(map, verdict)}) {
+        WhereStartsDisagree(map, OfJumps(fit)), OfHalves(fit), OfUncertainty(map, verdict),
+        OfDistances(map, verdict), OfTurns(map, verdict), OfRangeOffsets(map, verdict)}) {
     verdict->Add(doubt);
   }
 }

@@ -18,7 +18,8 @@ Confidence ReadConfidence(const Blob& result);
 // squares explains them (`fit/`). High: at least 50, nine tenths of all that were made, at most 3% do not
 // fit, none of them by six standard deviations, no five in a row; odometry fits everywhere; ranges and
 // bearings err by at most 1.5 times what is stated; odometry's distances are within 7% of what the
-// observations say, its turns within 15%. Low: a fifth do not fit, or ranges and bearings err by three times
+// observations say, its turns within 15%; two landmarks or more are seen both before and after any time; no
+// landmark may be more than 1 m off by its own covariance (95%). Low: a fifth do not fit, or ranges and bearings err by three times
 // what is stated, or the distances are 15% off. Chosen on simulated figures of eight; how often it is right
 // of other logs was not measured. Of landmarks without names at a distance: what the search says or the fit,
 // whichever is less, and fair at most; low where ranges or bearings err by 1.5 times and less than half of

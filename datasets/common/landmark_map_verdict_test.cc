@@ -168,6 +168,34 @@ TEST(LandmarkMapVerdict, OfNamedLandmarksTheFitTells) {
       << slipped.why;
 }
 
+TEST(LandmarkMapVerdict, HalvesThatOdometryAloneHoldsTogetherAreNotHigh) {
+  const auto held = [](std::int64_t landmarks) {
+    Blob map = FittedMap(200, 0, 0, 0);
+    map.PutScalar<std::int64_t>("fit/fewest_common", landmarks);
+    map.PutScalar<double>("fit/fewest_common_s", 61.5);
+    return LandmarkMapVerdict(map);
+  };
+  EXPECT_EQ(held(2).trust, Confidence::kHigh);
+  EXPECT_EQ(held(1).trust, Confidence::kFair);
+  EXPECT_NE(held(1).why.find("by one landmark and odometry alone"), std::string::npos) << held(1).why;
+  EXPECT_EQ(held(0).trust, Confidence::kFair);
+  EXPECT_NE(held(0).why.find("before 61.5 s and after hangs together by odometry alone"), std::string::npos)
+      << held(0).why;
+}
+
+TEST(LandmarkMapVerdict, AVagueMapIsNotHigh) {
+  const auto spread = [](double sd_m) {
+    Blob map = FittedMap(200, 0, 0, 0);
+    // Along a diagonal: the axes alone would say less.
+    map.Put("map/landmark_covariance_m2", Array::Of<double>({1, 2, 2}, {sd_m * sd_m / 2, sd_m * sd_m / 2,
+                                                                        sd_m * sd_m / 2, sd_m * sd_m / 2}));
+    return LandmarkMapVerdict(map);
+  };
+  EXPECT_EQ(spread(0.4).trust, Confidence::kHigh);
+  EXPECT_EQ(spread(0.45).trust, Confidence::kFair);
+  EXPECT_NE(spread(2).why.find("may be 4.9 m off"), std::string::npos) << spread(2).why;
+}
+
 // Ranges in another unit than odometry, or one of both not calibrated: everything fits, in a wrong scale.
 TEST(LandmarkMapVerdict, OdometryOfAnotherScaleThanTheRangesIsNamed) {
   const auto scaled = [](double distances, double turns) {

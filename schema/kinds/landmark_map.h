@@ -109,8 +109,9 @@ struct LandmarkMap {
   // Whether the model explains what was measured.
   struct Fit {
     Texts kind;
-    Column<double> stated, found, longest_run_from_s, worst_time_s, worst_sigmas, worst_odometry_s;
-    Column<std::int64_t> observations, misfits, longest_run, odometry_misfits;
+    Column<double> stated, found, longest_run_from_s, worst_time_s, worst_sigmas, worst_odometry_s,
+        fewest_common_s;
+    Column<std::int64_t> observations, misfits, longest_run, odometry_misfits, fewest_common;
     Column<std::int32_t> worst_robot;
     static void Fields(const auto& field) {
       field({"kind", "F"}, &Fit::kind);
@@ -122,6 +123,8 @@ struct LandmarkMap {
       field({"longest_run_from_s", "", Finite()}, &Fit::longest_run_from_s);
       field({"odometry_misfits", "", From(0)}, &Fit::odometry_misfits);
       field({"worst_odometry_s", "", Finite()}, &Fit::worst_odometry_s);
+      field({"fewest_common", "", From(0)}, &Fit::fewest_common);
+      field({"fewest_common_s", "", Finite()}, &Fit::fewest_common_s);
       field({"worst_robot", "W", IndexInto("robots")}, &Fit::worst_robot);
       field({"worst_time_s", "W", Finite()}, &Fit::worst_time_s);
       field({"worst_sigmas", "W", From(0)}, &Fit::worst_sigmas);

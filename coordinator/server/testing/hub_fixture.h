@@ -146,11 +146,12 @@ class ServerFixture {
   std::filesystem::path allow_list;
   std::uint64_t store_limit_bytes = 0;
   double keep_s = 0;
+  std::filesystem::path store_dir;  // empty: within temp
 
   void Start() {
     server.reset();
     folder.reset();
-    folder.emplace(StoreFolder::Open(temp.path() / "store").value());
+    folder.emplace(StoreFolder::Open(store_dir.empty() ? temp.path() / "store" : store_dir).value());
     ServerOptions options;
     options.memory_bytes = memory_bytes;
     options.core.checkpoint_interval_s = checkpoint_interval_s;

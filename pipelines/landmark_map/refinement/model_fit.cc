@@ -1,6 +1,8 @@
 #include "pipelines/landmark_map/refinement/model_fit.h"
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "schema/kinds/landmark_map.h"
 
@@ -18,6 +20,67 @@ std::vector<ModelFit::Width> WidthsOf(const LeastSquaresProblem& nominal,
   }
   if (contacts) widths.push_back({"contact", nominal.noise.contact_m, problem.noise.contact_m});
   return widths;
+}
+
+// Of a robot's observations, in the order of time: where it saw a landmark first and last.
+struct Seen {
+  std::size_t first = 0, last = 0;
+};
+
+using SeenLandmarks = std::map<int, Seen>;
+
+struct RobotSeen {
+  std::vector<double> time_s;  // of its observations
+  SeenLandmarks landmarks;
+};
+
+std::vector<RobotSeen> SeenOf(const LeastSquaresProblem& problem) {
+  std::vector<RobotSeen> robots(problem.robots.size());
+  for (const Sighting& sighting : problem.sightings) {
+    const auto r = static_cast<std::size_t>(sighting.robot);
+    const std::size_t i = robots[r].time_s.size();
+    robots[r].time_s.push_back(problem.robots[r].time_s[static_cast<std::size_t>(sighting.node)]);
+    robots[r].landmarks.try_emplace(sighting.landmark, i, i).first->second.last = i;
+  }
+  return robots;
+}
+
+std::size_t SeenOnBothSides(const SeenLandmarks& landmarks, std::size_t at) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      landmarks, [at](const auto& entry) { return entry.second.first <= at && entry.second.last > at; }));
+}
+
+// What another robot saw of both sides ties them, too: as many landmarks as of the side of which it saw
+// fewer. Whether its own path holds there, its own times tell.
+std::size_t TiedByOther(const SeenLandmarks& landmarks, std::size_t at, const SeenLandmarks& others) {
+  std::size_t before = 0, after = 0;
+  for (const auto& [landmark, seen] : landmarks) {
+    if (!others.contains(landmark)) continue;
+    before += seen.first <= at;
+    after += seen.last > at;
+  }
+  return std::min(before, after);
+}
+
+void FindFewestCommon(const LeastSquaresProblem& problem, ModelFit* fit) {
+  constexpr std::size_t kEnds = 10;  // a tenth
+  const std::vector<RobotSeen> robots = SeenOf(problem);
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const auto& [time_s, landmarks] = robots[r];
+    const std::size_t end = time_s.size() / kEnds;
+    std::set<std::size_t> changes = {
+        end};  // but from the beginning on the count is another one behind these alone
+    for (const auto& [landmark, seen] : landmarks) changes.insert({seen.first, seen.last});
+    for (const std::size_t at : changes) {
+      if (at < end || at + 1 + end >= time_s.size()) continue;
+      std::size_t common = SeenOnBothSides(landmarks, at);
+      for (std::size_t other = 0; other < robots.size(); ++other)
+        if (other != r) common = std::max(common, TiedByOther(landmarks, at, robots[other].landmarks));
+      if (fit->fewest_common >= 0 && static_cast<std::int64_t>(common) >= fit->fewest_common) continue;
+      fit->fewest_common = static_cast<std::int64_t>(common);
+      fit->fewest_common_s = time_s[at];
+    }
+  }
 }
 
 }  // namespace
@@ -62,6 +125,7 @@ ModelFit FitOf(const LeastSquaresProblem& nominal, const LeastSquaresProblem& pr
       }
     }
   }
+  FindFewestCommon(problem, &fit);
   std::ranges::stable_sort(fit.worst, std::greater(), &ModelFit::Misfit::sigmas);
   fit.worst.resize(std::min(fit.worst.size(), kWorst));
   return fit;
@@ -78,6 +142,10 @@ Blob ModelFit::ToBlob() const {
   fit.longest_run_from_s = longest_run_from_s;
   fit.odometry_misfits = odometry_misfits;
   fit.worst_odometry_s = worst_odometry_s;
+  if (fewest_common >= 0) {
+    fit.fewest_common = fewest_common;
+    fit.fewest_common_s = fewest_common_s;
+  }
   fit.worst_robot = cairn::ColumnOf(worst, &Misfit::robot);
   fit.worst_time_s = cairn::ColumnOf(worst, &Misfit::time_s);
   fit.worst_sigmas = cairn::ColumnOf(worst, &Misfit::sigmas);

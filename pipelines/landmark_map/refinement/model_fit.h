@@ -36,6 +36,10 @@ struct ModelFit {
   // Motions between successive nodes from kJumpSigmas on, and when the worst of them ends.
   std::int64_t odometry_misfits = 0;
   double worst_odometry_s = 0;
+  // The fewest landmarks that a robot saw both before and after one time, without a tenth of its observations
+  // at either end: where there are none the two halves of its map hang on odometry alone. -1: of no robot.
+  std::int64_t fewest_common = -1;
+  double fewest_common_s = 0;
   std::vector<Misfit> worst;               // ten at most, the worst first
   std::vector<std::vector<double>> off_m;  // of each landmark: how far from it its observations see it
 

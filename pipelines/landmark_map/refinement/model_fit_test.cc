@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+
 namespace cairn::landmark_map {
 namespace {
 
@@ -62,6 +65,43 @@ TEST(FitOf, ASlipIsAMisfitOfOdometry) {
   const ModelFit fit = FitOf(drive.problem, drive.problem, drive.point);
   EXPECT_EQ(fit.odometry_misfits, 1);
   EXPECT_EQ(fit.worst_odometry_s, 7.0);
+}
+
+// From node k it sees the landmark 0 up to node 10, and from there on the landmark 1; the others as told.
+ModelFit FitOfSeen(const std::vector<Sighting>& more) {
+  Straight drive = Drive();
+  for (Sighting& seen : drive.problem.sightings) seen.landmark = seen.node > 10;
+  std::vector<Sighting>& all = drive.problem.sightings;
+  for (const Sighting& seen : more) {
+    if (seen.robot > 0 && drive.problem.robots.size() < 2) {
+      drive.problem.robots.push_back(drive.problem.robots[0]);
+      drive.problem.widths.push_back(drive.problem.widths[0]);
+      drive.point.nodes.push_back(drive.point.nodes[0]);
+      drive.point.errors.emplace_back();
+    }
+    all.push_back(seen);
+  }
+  std::ranges::stable_sort(all, {}, [](const Sighting& seen) { return std::pair(seen.robot, seen.node); });
+  drive.problem.landmarks = 3;
+  drive.point.landmarks = {{10.0, 5.0}, {10.0, 5.0}, {10.0, 5.0}};
+  return FitOf(drive.problem, drive.problem, drive.point);
+}
+
+TEST(FitOf, NamesTheTimeThatFewestLandmarksHoldTogether) {
+  EXPECT_EQ(FitOf(Drive().problem, Drive().problem, Drive().point).fewest_common, 1);
+  const ModelFit halves = FitOfSeen({});
+  EXPECT_EQ(halves.fewest_common, 0);
+  EXPECT_EQ(halves.fewest_common_s, 10.0);
+  EXPECT_EQ(FitOfSeen({{0, 4, 2, 6.0, 5.0}, {0, 14, 2, -4.0, 5.0}}).fewest_common, 1)
+      << "the landmark 2 is seen from both halves";
+  EXPECT_EQ(FitOfSeen({{0, 20, 0, -10.0, 5.0}}).fewest_common, 1)
+      << "at its end it is back at the landmark 0";
+}
+
+TEST(FitOf, WhatAnotherRobotSeesOfBothHalvesHoldsThemTogether) {
+  const auto other = [](int landmark) { return Sighting{1, 5, landmark, 5.0, 5.0}; };
+  EXPECT_EQ(FitOfSeen({other(0), other(1)}).fewest_common, 1);
+  EXPECT_EQ(FitOfSeen({other(0), other(0)}).fewest_common, 0);
 }
 
 TEST(FitOf, TellsStatedWidthsFromFoundOnes) {
