@@ -109,6 +109,7 @@ class Run {
   // Stages of the run that `force` replaces, while their results are still there.
   fs::path ReplacedFile() const { return folder_.dir() / "replaced"; }
   Status Clear();
+  Status WriteReplaced(const std::set<std::string>& stages) const;
   void RemoveReplaced();
   Status Open();
   bool EarlierRunIsWorthless() const;
@@ -136,16 +137,22 @@ class Run {
   std::optional<EmbeddedResult> trouble_;  // that ends the run, whatever the job's state
 };
 
-// Forgets earlier runs. Their results stay until the new run has one of its own: it may yet be refused.
+// Forgets earlier runs. Their results stay until the new run has one of its own: it may yet be refused. What
+// the store alone tells of them is written down before it goes.
 Status Run::Clear() {
   std::set<std::string> stages = ReadStages(ReplacedFile());
-  for (const proto::Stage& stage : job_.stages()) stages.insert(stage.name());
   for (const std::string& job : folder_.JobsWithCheckpoints())
     for (const std::uint64_t number : folder_.CheckpointNumbers(job))
       if (const auto checkpoint = ReadCheckpoint(folder_.CheckpointFile(job, number)); checkpoint.ok())
         for (const proto::Stage& stage : checkpoint.value().job().stages())
           if (IsPlainName(stage.name())) stages.insert(stage.name());
+  if (const Status status = WriteReplaced(stages); !status.ok()) return status;
   if (const Status status = folder_.Clear(); !status.ok()) return status;
+  for (const proto::Stage& stage : job_.stages()) stages.insert(stage.name());
+  return WriteReplaced(stages);
+}
+
+Status Run::WriteReplaced(const std::set<std::string>& stages) const {
   std::string lines;
   for (const std::string& stage : stages) lines += stage + "\n";
   return WriteTextAtomically(ReplacedFile(), lines);
@@ -285,7 +292,10 @@ EmbeddedResult Run::Do(const std::function<void(const EmbeddedProgress&)>& on_pr
     if (status.ok()) status = Open();
     if (!status.ok()) return End(EmbeddedEnd::kFailed, status.message());
   }
-  if (std::optional<EmbeddedResult> found = LookAtEarlierRun()) return *found;
+  if (std::optional<EmbeddedResult> found = LookAtEarlierRun()) {
+    if (found->end == EmbeddedEnd::kAlreadyDone) RemoveReplaced();  // where it was killed before it did
+    return *found;
+  }
   const wire::SharedMemory shared = ShareInputs();
   WorkerPool workers({options_.worker_program, "ipc://" + (socket_folder_->path() / "hub").string(),
                       options_.workers, 5, folder_.dir() / "workers.log", options_.task_memory_mb,

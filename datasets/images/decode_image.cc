@@ -38,4 +38,16 @@ ImageReading DecodeImage(const std::string& path, int most_side) {
   return reading;
 }
 
+std::vector<ImageReading> DecodeImages(std::span<const std::string> paths, int most_side,
+                                       std::size_t most_bytes) {
+  std::vector<ImageReading> readings;
+  std::size_t bytes = 0;
+  for (const std::string& path : paths) {
+    if (!readings.empty() && bytes >= most_bytes) break;
+    readings.push_back(DecodeImage(path, most_side));
+    bytes += readings.back().rgb.size();
+  }
+  return readings;
+}
+
 }  // namespace cairn::datasets

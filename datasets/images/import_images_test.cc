@@ -84,6 +84,26 @@ TEST_F(ImportImagesTest, TheirPixelsAreBounded) {
   EXPECT_LT(read, 100u);
 }
 
+// A reader that says of few images at a time, for they are large, is asked for the others; and for no more
+// than it takes to see that they are too many.
+TEST_F(ImportImagesTest, OfLargeImagesFewAreInMemoryBeforeTheyAreCounted) {
+  std::size_t read = 0;
+  const ImageReader two = [&read](const std::vector<std::string>& paths) {
+    const std::vector<ImageReading> readings = DecodeImages(paths, 1000, 12 * 16 * 3 + 1);
+    read += readings.size();
+    EXPECT_LE(readings.size(), 2u);
+    return readings;
+  };
+  options_.poses = folder_.Put("poses.csv", header_ + "a.png,0,0,0\nb.jpg,1,0,0\ndeep/c.ppm,2,0,0\n");
+  ImportImages(options_, two, &log_);
+  EXPECT_EQ(read, 3u);
+  EXPECT_EQ(log_.at("run/0/image").shape(), (Shape{3, 12, 16, 3}));
+  options_.most_image_bytes = 12 * 16 * 3;
+  read = 0;
+  EXPECT_THROW(ImportImages(options_, two, &log_), InputError);
+  EXPECT_EQ(read, 2u);
+}
+
 // The track is straight, 1 m/s, and turns; the ranges come twice a second.
 TEST_F(ImportImagesTest, TakesPosesOfATrackAndRangesByTime) {
   options_.times = folder_.Put("times.csv", "time_s,image\n0.25,a.png\n1,b.jpg\n1.75,deep/c.ppm\n");
@@ -189,6 +209,20 @@ TEST(DecodeImage, MakesLargeImagesSmaller) {
   expected[15] = 22;  // 200 / 9
   expected[16] = 1;
   EXPECT_EQ(rgb.rgb, expected);
+}
+
+TEST(DecodeImages, EndsWhereTheirPixelsTakeWhatTheyMay) {
+  const TestFolder folder;
+  std::vector<std::string> paths;
+  for (const char* name : {"a.png", "b.png", "c.png"}) {
+    paths.push_back(folder / name);
+    ASSERT_TRUE(cv::imwrite(paths.back(), cv::Mat(2, 5, CV_8UC3, cv::Scalar(0, 0, 0))));
+  }
+  paths.insert(paths.begin(), folder / "missing.png");
+  EXPECT_EQ(DecodeImages(paths, 10, 0).size(), 1u);
+  EXPECT_EQ(DecodeImages(paths, 10, 30).size(), 2u);
+  EXPECT_EQ(DecodeImages(paths, 10, 31).size(), 3u);
+  EXPECT_EQ(DecodeImages(paths, 10, 1000).size(), 4u);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <span>
 
 #include "datasets/import/name_index.h"
 #include "datasets/import/pose_track.h"
@@ -177,20 +178,19 @@ class ImagesImport {
     std::vector<std::string> paths;
     std::ranges::copy_if(named, std::back_inserter(paths),
                          [](const auto& path) { return fs::is_regular_file(path); });
-    constexpr std::size_t kAtOnce = 64;  // so that not all are here before it shows that they are too much
     Readings readings;
     std::size_t bytes = 0;
-    for (std::size_t first = 0; first < paths.size(); first += kAtOnce) {
-      const auto begin = paths.begin() + static_cast<std::ptrdiff_t>(first);
-      const auto count = static_cast<std::ptrdiff_t>(std::min(kAtOnce, paths.size() - first));
-      const std::vector<std::string> some(begin, begin + count);
-      std::vector<ImageReading> read = read_(some);
-      CAIRN_DEMAND(read.size() == some.size(), "a reader that loses images");
-      for (std::size_t i = 0; i < some.size(); ++i) {
+    for (std::span<const std::string> left = paths; !left.empty();) {
+      constexpr std::size_t kAtOnce = 64;  // so that not all are here before it shows that they are too much
+      const auto some = left.first(std::min(kAtOnce, left.size()));
+      std::vector<ImageReading> read = read_({some.begin(), some.end()});
+      CAIRN_DEMAND(!read.empty() && read.size() <= some.size(), "a reader that loses images");
+      for (std::size_t i = 0; i < read.size(); ++i) {
         bytes += read[i].rgb.size();
         readings[some[i]] = std::move(read[i]);
       }
       CheckBytes(bytes);
+      left = left.subspan(read.size());
     }
     return readings;
   }

@@ -36,7 +36,8 @@ struct ImageReading {
   std::vector<std::uint8_t> rgb = {};  // [rows][columns][3]
   std::string failure = {};
 };
-// One for each path. Images are decoded by another program, or by a test.
+// Of the first of `paths`, of one at least, each: as many as the reader takes into memory at once, which is
+// little beside most_image_bytes. Images are decoded by another program, or by a test.
 using ImageReader = std::function<std::vector<ImageReading>(const std::vector<std::string>& paths)>;
 
 // Makes `samples` (schema/FORMAT.md) with images, whose inputs are those of the tables. Bad lines are those

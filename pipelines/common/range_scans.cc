@@ -206,6 +206,18 @@ void AddEnds(const RangeScans& sensor, Extent* extent) {
   }
 }
 
+// A result tells where the robot of its own log was; the times of another log's scans mean nothing to it. A
+// table of poses does not say of which log it is.
+void CheckPosesAreOf(const Blob& log, const Blob& poses) {
+  if (!poses.Has("log_hash")) return;
+  const std::string made_from = poses.Text("log_hash"), given = log.Without("truth/").ContentHash().Hex();
+  if (made_from == given) return;
+  throw InputError("the input 'poses' was made from another log: the content of that one, truth aside, is " +
+                   made_from + ", that of the log given here is " + given +
+                   ". Where its poses are this log's all the same (it was imported anew, say), `cairn export "
+                   "tum` and `cairn import tum` make a table of them, which is taken");
+}
+
 // Those of a robot's sensors that stand in `groups`.
 void AddScansOf(const Blob& log, const Blob* poses, std::size_t robot, const std::vector<std::string>& groups,
                 const GridOptions& options, PosedScans* scans) {
@@ -229,6 +241,7 @@ void AddScansOf(const Blob& log, const Blob* poses, std::size_t robot, const std
 }  // namespace
 
 PosedScans ReadRangeScans(const Blob& log, const Blob* poses, const GridOptions& options) {
+  if (poses != nullptr) CheckPosesAreOf(log, *poses);
   const std::vector<std::string> groups = Chosen(options);
   const std::vector<std::uint8_t> robots = ChosenRobots(options, log.Texts("robots"));
   PosedScans scans;

@@ -78,6 +78,7 @@ void VisitGridOptions(V& visit, GridOptions& o) {
 // choose both. Poses come from `poses` (its robot/N/poses/, by the robot's name), else from the log's own,
 // else from dead reckoning; `poses` may be null. Between two of them a robot moves as its odometry says, with
 // the difference spread evenly over time, or straight where there is none. The log was checked as its kind.
+// Throws InputError where `poses` is a result that was made from another log.
 // Throws InputError that names sensor and scan where
 // - there are no scans, or none with a pose; an option names a sensor that there can not be, or a robot that
 //   the log does not have;

@@ -204,6 +204,19 @@ TEST(RangeScans, AResultSaysWhereTheRobotWasAtEachScan) {
   EXPECT_EQ(result.Text("log_hash"), log.Without("truth/").ContentHash().Hex());
 }
 
+TEST(RangeScans, PosesThatAreAnotherLogsAreRefused) {
+  Blob log = Log(), poses = Log();
+  EXPECT_EQ(Refusal(log, {}, &poses), "accepted") << "a table does not say of which log it is";
+  poses.Put("log_hash", Array::Text(log.ContentHash().Hex()));
+  log.Put("truth/walls/x_m", Array::Of<double>({1, 2}, std::vector<double>{1, 2}));
+  log.Put("truth/walls/y_m", Array::Of<double>({1, 2}, std::vector<double>{1, 2}));
+  EXPECT_EQ(Refusal(log, {}, &poses), "accepted");
+  log.PutScalar<double>("robot/0/sonar/max_range_m", 7);
+  const std::string refusal = Refusal(log, {}, &poses);
+  EXPECT_NE(refusal.find("the input 'poses' was made from another log: "), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("`cairn export tum` and `cairn import tum`"), std::string::npos) << refusal;
+}
+
 TEST(RangeScans, ScansOutsideTheTimeOfPosesAreRefusedOrLeftOut) {
   Blob log = Log();
   log.PutVector<double>("robot/0/sonar/time_s", {0, 5, 10.5});

@@ -148,8 +148,24 @@ bool IsRefusal(int error_number) {
   }
 }
 
-Status Replace(const std::filesystem::path& path, std::span<const std::byte> bytes,
-               const FileRights* rights) {
+// Returns errno, or 0.
+int RenameOver(const std::filesystem::path& from, const std::filesystem::path& to) {
+  return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
+}
+
+// EEXIST where `to` is there. File systems that do not know how say EINVAL.
+int RenameToNew(const std::filesystem::path& from, const std::filesystem::path& to) {
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
+  const int error = errno;
+  if (error != EINVAL && error != ENOSYS) return error;
+  std::error_code ignored;
+  const bool is_there = std::filesystem::exists(std::filesystem::symlink_status(to, ignored));
+  return is_there ? EEXIST : RenameOver(from, to);
+}
+
+Status WriteAndPublish(const std::filesystem::path& path, std::span<const std::byte> bytes,
+                       const FileRights* rights,
+                       int (*publish)(const std::filesystem::path& from, const std::filesystem::path& to)) {
   if (IsNoFile(path))
     return {Code::kRefused, path.string() + ": is a device, a pipe or a socket; a file is needed"};
   std::optional<Temporary> temporary;
@@ -158,7 +174,7 @@ Status Replace(const std::filesystem::path& path, std::span<const std::byte> byt
     temporary.emplace(path);
     error = WriteSynced(temporary->path(), bytes, rights);
   }
-  if (error == 0 && ::rename(temporary->path().c_str(), path.c_str()) != 0) error = errno;
+  if (error == 0) error = publish(temporary->path(), path);
   if (error != 0) {
     ::unlink(temporary->path().c_str());
     return SystemFailure(path, "cannot write", error);
@@ -194,16 +210,20 @@ bool IsNoFile(const std::filesystem::path& path) {
 }
 
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-  return Replace(path, bytes, nullptr);
+  return WriteAndPublish(path, bytes, nullptr, RenameOver);
+}
+
+Status WriteNewFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  return WriteAndPublish(path, bytes, nullptr, RenameToNew);
 }
 
 Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text) {
-  return Replace(path, std::as_bytes(std::span(text)), nullptr);
+  return WriteAndPublish(path, std::as_bytes(std::span(text)), nullptr, RenameOver);
 }
 
 Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text,
                            const FileRights& rights) {
-  return Replace(path, std::as_bytes(std::span(text)), &rights);
+  return WriteAndPublish(path, std::as_bytes(std::span(text)), &rights, RenameOver);
 }
 
 Status SyncFolder(const std::filesystem::path& folder) {

@@ -19,6 +19,9 @@ namespace cairn {
 // What is no file (IsNoFile) is not replaced: kRefused. A process that is killed in between leaves at most a
 // hidden ".NAME.PID-N.tmp", which nothing reads.
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
+// The same, but a file that is there already stays: kRefused. Of several that write it at once one does,
+// where the file system can (FAT cannot); else the last one's stays.
+Status WriteNewFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text);
 
 // Who may do what with a file.

@@ -203,6 +203,12 @@ Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind,
   return WriteFileAtomically(path, image.value().bytes());
 }
 
+Status WriteNewBlobFile(const std::filesystem::path& path, const std::string& kind, const Blob& blob) {
+  const Result<store::FileImage> image = store::EncodeBlob(kind, blob);
+  if (!image.ok()) return Named(path.string(), image.status());
+  return WriteNewFileAtomically(path, image.value().bytes());
+}
+
 Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptions& options) {
   return AsBlobFile(store::InChild(path, [&] { return store::ReadChecked(path, options); }));
 }

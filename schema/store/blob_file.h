@@ -36,6 +36,8 @@ struct ReadOptions {
 // kNoSpace, kRefused: as WriteFileAtomically says.
 // kIo, also for a name that HDF5 cannot hold, such as "a" beside "a/b".
 Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind, const Blob& blob);
+// The same, but a file that is there already stays (WriteNewFileAtomically).
+Status WriteNewBlobFile(const std::filesystem::path& path, const std::string& kind, const Blob& blob);
 
 // A file of anybody: it is read in a child process, as HDF5 can crash on a damaged one. A file of another
 // program has no checksum trailer and needs none.

@@ -27,6 +27,7 @@ using store_testing::Bytes;
 using store_testing::OddBlob;
 using store_testing::Overwrite;
 using store_testing::TempFolder;
+using store_testing::Text;
 
 std::vector<std::byte> ImageOf(const Blob& blob) {
   const store::FileImage image = store::EncodeBlob("log", blob).value();
@@ -274,6 +275,39 @@ TEST(BlobFileFaults, NamesThatAFileCannotHoldAreRefused) {
 }
 
 // In a container, say, where each process is number 1.
+TEST(WriteNewBlobFile, LeavesWhatIsThereAlready) {
+  const TempFolder folder;
+  Blob one, other;
+  one.PutScalar<double>("of", 1);
+  other.PutScalar<double>("of", 2);
+  ASSERT_TRUE(WriteNewBlobFile(folder / "a.h5", "blob", one).ok());
+  const Status status = WriteNewBlobFile(folder / "a.h5", "blob", other);
+  EXPECT_EQ(status.code(), Code::kRefused) << status.message();
+  EXPECT_EQ(ReadBlobFile(folder / "a.h5").value().blob.Scalar<double>("of"), 1);
+  EXPECT_TRUE(WriteBlobFile(folder / "a.h5", "blob", other).ok());
+  EXPECT_EQ(ReadBlobFile(folder / "a.h5").value().blob.Scalar<double>("of"), 2);
+}
+
+// They all have looked, and seen that there is no file.
+TEST(WriteNewFileAtomically, OfSeveralAtOnceOneWrites) {
+  const TempFolder folder;
+  constexpr int kWriters = 8;
+  std::vector<std::string> texts;
+  for (int i = 0; i < kWriters; ++i) texts.push_back("of writer " + std::to_string(i));
+  std::vector<int> wrote(kWriters);
+  std::vector<std::jthread> writers;
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    writers.emplace_back([&, i] {
+      wrote[i] = WriteNewFileAtomically(folder / "a", std::as_bytes(std::span(texts[i]))).ok() ? 1 : 0;
+    });
+  }
+  writers.clear();
+  ASSERT_EQ(std::ranges::count(wrote, 1), 1);
+  const auto first = static_cast<std::size_t>(std::ranges::find(wrote, 1) - wrote.begin());
+  EXPECT_EQ(Text(folder / "a"), texts[first]);
+  EXPECT_EQ(folder.Files(), std::vector<std::string>{"a"});
+}
+
 TEST(WriteFileAtomically, ALeftoverOfAProcessWithThisNumberIsInNobodysWay) {
   const TempFolder folder;
   const std::string begin = ".x.h5." + std::to_string(::getpid()) + "-";

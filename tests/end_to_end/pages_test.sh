@@ -97,4 +97,15 @@ is_page fetched/report.html 'loop: chain'
 chain_page fetched/report.html
 for picture in fetched/map.png fetched/raw/map.png fetched/forward/map.png; do is_picture $picture; done
 grep -qF 'class="verdict"' fetched/report.html || die "a fetched page does not say how far to trust the map"
+exits 0 cairn results "$id" --out fetched
+
+# Not in the place of another job's.
+exits 0 cairn submit evidence_map hall.h5 --json
+other=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
+exits 0 cairn watch "$other"
+refuses "fetched/map.png' is there already, and is of another job" cairn results "$other" --out fetched
+[ ! -e fetched/evidence_map.h5 ] || die "a result is there of what was refused"
+chain_page fetched/report.html
+exits 0 cairn results "$other" --out fetched --force
+is_page fetched/report.html 'hall: evidence_map'
 kill -TERM "$coordinator"

@@ -160,6 +160,28 @@ TEST_F(Embedded, ForceKeepsTheOldResultsUntilThereIsANewOne) {
   EXPECT_TRUE(fs::exists(fs::path(options_.dir) / "other.h5"));
 }
 
+// Else whoever kills it in between has the old results beside the new ones for ever.
+TEST_F(Embedded, WhatItReplacesIsWrittenDownBeforeTheOldRunIsForgotten) {
+  ASSERT_EQ(Run().end, EmbeddedEnd::kDone);
+  const fs::path replaced = fs::path(options_.dir) / ".cairn" / "replaced";
+  fs::create_directories(replaced / "in the way");
+  options_.force = true;
+  EXPECT_EQ(Run().end, EmbeddedEnd::kFailed);
+  fs::remove_all(replaced);
+  options_.force = false;
+  EXPECT_EQ(Run().end, EmbeddedEnd::kAlreadyDone) << "nothing is forgotten";
+}
+
+TEST_F(Embedded, WhatItReplacesGoesAlsoWhereItWasKilledBetweenItsEndAndThat) {
+  ASSERT_EQ(Run().end, EmbeddedEnd::kDone);
+  const fs::path old = fs::path(options_.dir) / "old.h5";
+  std::ofstream(old) << "of the old run";
+  std::ofstream(fs::path(options_.dir) / ".cairn" / "replaced") << "old\ntoy\n";
+  EXPECT_EQ(Run().end, EmbeddedEnd::kAlreadyDone);
+  EXPECT_FALSE(fs::exists(old));
+  EXPECT_EQ(Have(), Want());
+}
+
 // Who hands on a result folder must not choose what goes from the next person's disk.
 TEST_F(Embedded, WhatItReplacesLiesInItsOwnFolder) {
   const fs::path victim = folder_.path() / "victim";

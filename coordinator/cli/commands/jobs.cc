@@ -98,7 +98,7 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
   }
   std::vector<std::string> names;
   for (const auto& [stage, blob] : results) names.push_back(stage);
-  if (!force) CheckPagesAreOurs(folder.string(), names);
+  if (!force) CheckPagesAreOurs(folder.string(), names, JobOf(*results.begin()->second));
   std::vector<ScoredStage> stages;
   for (const auto& [stage, blob] : results) {
     const std::string file = (folder / (stage + ".h5")).string();
@@ -109,7 +109,6 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
   }
   SortByJob(&stages);
   const WrittenPages written = WritePages(folder, stages);
-  RememberPages(folder.string(), names);
   for (const std::string& picture : written.pictures)
     if (!picture.empty()) std::printf("%s\n", picture.c_str());
   if (!written.report.empty()) std::printf("%s\n", written.report.c_str());

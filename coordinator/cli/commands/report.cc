@@ -9,9 +9,10 @@
 #include "coordinator/cli/common/suggest.h"
 #include "coordinator/cli/output/pages.h"
 #include "coordinator/cli/output/path.h"
+#include "coordinator/core/job.h"
 #include "datasets/kinds/job_report.h"
 #include "schema/kinds/kind.h"
-#include "schema/store/atomic_file.h"
+#include "schema/kinds/provenance.h"
 
 namespace cairn::cli {
 namespace {
@@ -107,8 +108,7 @@ int Report(const ReportArguments& options, const Invocation&) {
   const std::vector<ScoredStage> stages = ReadStages(options, log);
   if (log && std::ranges::all_of(stages, [](const ScoredStage& stage) { return stage.source == nullptr; }))
     throw InputError("--log: networks are not made from a log");
-  Check(WriteTextAtomically(out, PageOf(stages)));
-  RememberPage(out);
+  WritePage(out, PageOf(stages));
   std::printf("%s\n", out.c_str());
   return kExitDone;
 }
@@ -131,26 +131,36 @@ std::string PageOf(const std::vector<ScoredStage>& stages) {
   return reported.empty() ? "" : datasets::JobReportHtml(reported);
 }
 
+std::string JobOf(const Blob& result) {
+  const auto bytes = kinds::Provenance::In(result).job.OrNone();
+  proto::Job job;
+  if (bytes.empty() || !job.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return "";
+  return coordinator::HashOfJob(job).Hex();
+}
+
 WrittenPages WritePages(const fs::path& dir, const std::vector<ScoredStage>& stages) {
   for (const ScoredStage& stage : stages)
     if (const fs::path folder = dir / stage.name; fs::is_symlink(fs::symlink_status(folder)))
       throw InputError("'" + folder.string() +
                        "' is a link, which would lead the pages of a stage elsewhere");
   WrittenPages written;
+  std::vector<Page> pages;
   fs::create_directories(dir);
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const ScoredStage& stage = stages[i];
     written.pictures.emplace_back();
     if (datasets::FindResultKind(stage.kind) == nullptr) continue;
-    const fs::path folder = i == MainStage(stages) ? dir : dir / stage.name;
-    fs::create_directories(folder);
-    written.pictures.back() = (folder / (IsMap(stage) ? "map.png" : "picture.png")).string();
-    Check(WriteTextAtomically(written.pictures.back(), datasets::StagePicturePng(Reported(stage))));
+    const fs::path folder = i == MainStage(stages) ? fs::path() : fs::path(stage.name);
+    fs::create_directories(dir / folder);
+    const std::string name = (folder / (IsMap(stage) ? "map.png" : "picture.png")).string();
+    written.pictures.back() = (dir / name).string();
+    pages.push_back({name, datasets::StagePicturePng(Reported(stage))});
   }
-  const std::string page = PageOf(stages);
-  if (page.empty()) return written;
-  written.report = (dir / "report.html").string();
-  Check(WriteTextAtomically(written.report, page));
+  if (std::string page = PageOf(stages); !page.empty()) {
+    written.report = (dir / "report.html").string();
+    pages.push_back({"report.html", std::move(page)});
+  }
+  WritePagesOf(dir.string(), stages.empty() ? "" : JobOf(*stages.front().result), pages);
   return written;
 }
 

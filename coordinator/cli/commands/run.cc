@@ -133,7 +133,7 @@ int RunJob(const RunArguments& options, ParsedJob parsed, const Invocation& call
   embedded.force = options.force;
   const std::vector<std::string> stages = StageNames(parsed.job);
   CheckResultsReplaceNoInput(embedded.dir, stages, parsed);
-  if (!options.force) CheckPagesAreOurs(embedded.dir, stages);
+  if (!options.force) CheckPagesAreOurs(embedded.dir, stages, std::nullopt);
   Console console(call);
   embedded.log = console.Sink();
   RunSummary summary;
@@ -141,7 +141,6 @@ int RunJob(const RunArguments& options, ParsedJob parsed, const Invocation& call
     console.Clear();
     if (beside_results) beside_results();
     summary = Summarize(parsed, embedded.dir, done.results);
-    RememberPages(embedded.dir, stages);
   };
   const coordinator::EmbeddedResult result = coordinator::RunEmbedded(
       embedded, parsed.job, inputs,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <span>
 #include <sstream>
 
@@ -43,54 +44,104 @@ std::string HashOfFile(const fs::path& path) {
   return hasher.Finish().Hex();
 }
 
-// Name -> hash. A record that is damaged says too little, never too much.
-std::map<std::string, std::string> ReadRecord(const std::string& dir) {
-  constexpr std::size_t kMostBytes = 1 << 20;
-  std::map<std::string, std::string> hashes;
-  const Result<std::string> text = ReadSmallFile(RecordOf(dir), kMostBytes);
-  if (!text.ok()) return hashes;
-  std::istringstream record(text.value());
-  for (std::string hash, name; record >> hash >> name;) hashes[name] = hash;
-  return hashes;
+std::string HashOfBytes(const std::string& bytes) {
+  Hasher hasher;
+  hasher.Add(std::as_bytes(std::span(bytes)));
+  return hasher.Finish().Hex();
 }
 
-void WriteRecord(const std::string& dir, const std::map<std::string, std::string>& hashes) {
+// What a folder's pages may be: of a page that is being replaced both the old and the new one.
+struct Record {
+  std::string job;  // empty: a record of a version that did not say
+  std::map<std::string, std::set<std::string>> hashes = {};
+
+  bool Knows(const std::string& page, const std::string& hash) const {
+    const auto known = hashes.find(page);
+    return known != hashes.end() && known->second.contains(hash);
+  }
+};
+
+constexpr const char* kJob = "job";  // no page is called so
+
+// A record that is damaged says too little, never too much.
+Record ReadRecord(const std::string& dir) {
+  constexpr std::size_t kMostBytes = 1 << 20;
+  Record record;
+  const Result<std::string> text = ReadSmallFile(RecordOf(dir), kMostBytes);
+  if (!text.ok()) return record;
+  std::istringstream lines(text.value());
+  for (std::string hash, name; lines >> hash >> name;) {
+    if (name == kJob)
+      record.job = hash;
+    else
+      record.hashes[name].insert(hash);
+  }
+  return record;
+}
+
+void WriteRecord(const std::string& dir, const Record& record) {
   std::string lines;
-  for (const auto& [page, hash] : hashes) lines += hash + " " + page + "\n";
+  if (!record.job.empty()) lines += record.job + " " + kJob + "\n";
+  for (const auto& [page, hashes] : record.hashes)
+    for (const std::string& hash : hashes) lines += hash + " " + page + "\n";
   Check(WriteTextAtomically(RecordOf(dir), lines));
+}
+
+// Those of `known` that lie there as it says: what somebody has put in their place is none of ours.
+Record StillThere(const std::string& dir, const Record& known) {
+  Record there{known.job};
+  for (const auto& [page, hashes] : known.hashes)
+    if (const std::string hash = HashOfFile(fs::path(dir) / page); hashes.contains(hash))
+      there.hashes[page] = {hash};
+  return there;
 }
 
 }  // namespace
 
-void CheckPagesAreOurs(const std::string& dir, const std::vector<std::string>& stages) {
-  const bool from_before = !fs::exists(RecordOf(dir)) && fs::is_directory(fs::path(dir) / ".cairn");
-  if (from_before) return;  // a run of a version that kept no record
-  const std::map<std::string, std::string> known = ReadRecord(dir);
+void CheckPagesAreOurs(const std::string& dir, const std::vector<std::string>& stages,
+                       const std::optional<std::string>& job) {
+  const bool is_runs_own = !job && fs::is_directory(fs::path(dir) / ".cairn");
+  if (is_runs_own && !fs::exists(RecordOf(dir))) return;  // a run of a version that kept no record
+  const Record known = ReadRecord(dir);
+  const bool of_another = !is_runs_own && !known.job.empty() && job != known.job;
   for (const std::string& page : PagesOf(stages)) {
     const fs::path path = fs::path(dir) / page;
     if (!fs::exists(fs::symlink_status(path))) continue;
-    const auto hash = known.find(page);
-    if (hash == known.end() || hash->second != HashOfFile(path))
+    if (!known.Knows(page, HashOfFile(path)))
       throw InputError(
           "'" + path.string() +
           "' is there already, and is not what cairn wrote here: move it away, or say --force to "
           "have it replaced");
+    if (of_another)
+      throw InputError("'" + path.string() +
+                       "' is there already, and is of another job: name another folder, or say --force to "
+                       "have it replaced");
   }
 }
 
-void RememberPages(const std::string& dir, const std::vector<std::string>& stages) {
-  std::map<std::string, std::string> hashes;
-  for (const std::string& page : PagesOf(stages))
-    if (const std::string hash = HashOfFile(fs::path(dir) / page); !hash.empty()) hashes[page] = hash;
-  if (!hashes.empty()) WriteRecord(dir, hashes);
+void WritePagesOf(const std::string& dir, const std::string& job, const std::vector<Page>& pages) {
+  if (pages.empty()) return;
+  Record written{job}, meanwhile = StillThere(dir, ReadRecord(dir));
+  meanwhile.job = job;
+  for (const Page& page : pages) {
+    written.hashes[page.name] = {HashOfBytes(page.bytes)};
+    meanwhile.hashes[page.name].merge(std::set(written.hashes[page.name]));
+  }
+  WriteRecord(dir, meanwhile);
+  for (const Page& page : pages) Check(WriteTextAtomically(fs::path(dir) / page.name, page.bytes));
+  WriteRecord(dir, written);
 }
 
-void RememberPage(const std::string& path) {
+void WritePage(const std::string& path, const std::string& bytes) {
   const std::string dir = fs::absolute(path).parent_path().string();
-  if (!fs::exists(RecordOf(dir))) return;
-  std::map<std::string, std::string> hashes = ReadRecord(dir);
-  hashes[fs::path(path).filename().string()] = HashOfFile(path);
-  WriteRecord(dir, hashes);
+  const bool is_kept = fs::exists(RecordOf(dir));
+  Record record = StillThere(dir, ReadRecord(dir));
+  std::set<std::string>& hashes = record.hashes[fs::path(path).filename().string()];
+  hashes.insert(HashOfBytes(bytes));
+  if (is_kept) WriteRecord(dir, record);
+  Check(WriteTextAtomically(path, bytes));
+  hashes = {HashOfBytes(bytes)};
+  if (is_kept) WriteRecord(dir, record);
 }
 
 void CheckFolderIsFree(const std::string& folder, bool force) {

@@ -2,20 +2,30 @@
 // of the user's own that is called the same must not be lost to them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace cairn::cli {
 
+// A picture or a page.
+struct Page {
+  std::string name;  // within its folder: "map.png", "STAGE/map.png"
+  std::string bytes;
+};
+
 // Throws InputError where one of them (map.png, picture.png, report.html of `dir` and of its folders named as
-// `stages`) is there and is not the very file that RememberPages saw.
-void CheckPagesAreOurs(const std::string& dir, const std::vector<std::string>& stages);
+// `stages`) is there and is not what WritePagesOf wrote, or wrote for another job than `job`. None: a run,
+// for which pages in a folder that holds a run are its own, whatever job they are of.
+void CheckPagesAreOurs(const std::string& dir, const std::vector<std::string>& stages,
+                       const std::optional<std::string>& job);
 
-// They were written just now: DIR/.cairn-pages keeps their hashes.
-void RememberPages(const std::string& dir, const std::vector<std::string>& stages);
+// DIR/.cairn-pages keeps the hashes of the pages, and their job. It says what is about to be there before it
+// is: whenever this is killed, CheckPagesAreOurs takes what lies there.
+void WritePagesOf(const std::string& dir, const std::string& job, const std::vector<Page>& pages);
 
-// The same of one page, in a folder whose pages are remembered.
-void RememberPage(const std::string& path);
+// One page, whose hash is kept in the same way where it comes to lie in such a folder.
+void WritePage(const std::string& path, const std::string& bytes);
 
 // Throws InputError, unless `force`, of the folder of a study, which is filled with files of many names: one
 // that holds something, but no `results` of an earlier study.

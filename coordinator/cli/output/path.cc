@@ -3,8 +3,10 @@
 #include <filesystem>
 #include <system_error>
 
+#include "coordinator/cli/common/failure.h"
 #include "schema/error.h"
 #include "schema/store/atomic_file.h"
+#include "schema/store/blob_file.h"
 
 namespace cairn::cli {
 
@@ -38,6 +40,12 @@ void CheckOverwrite(const std::string& path, bool force) {
     throw InputError("'" + path + "' is there already (--force replaces it)");
   const fs::path folder = fs::absolute(path).parent_path();
   if (!fs::is_directory(folder)) throw InputError("there is no folder '" + folder.string() + "' to write to");
+}
+
+void WriteOutput(const std::string& path, const std::string& kind, const Blob& blob, bool force) {
+  const Status written = force ? WriteBlobFile(path, kind, blob) : WriteNewBlobFile(path, kind, blob);
+  if (!written.ok()) CheckOverwrite(path, force);
+  Check(written);
 }
 
 }  // namespace cairn::cli

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "schema/blob.h"
+
 namespace cairn::cli {
 
 // Throws InputError where `path` is one of `inputs`, by whatever name: not even force may replace what is
@@ -17,5 +19,8 @@ void CheckOutputIsNotInDataset(const std::string& path, const std::string& folde
 // Throws InputError where `path` is there already and `force` is not given, or its folder is not there: said
 // before the work is done.
 void CheckOverwrite(const std::string& path, bool force);
+
+// Throws the same InputError where another has come to be there meanwhile, and `force` is not given.
+void WriteOutput(const std::string& path, const std::string& kind, const Blob& blob, bool force);
 
 }  // namespace cairn::cli

@@ -16,7 +16,7 @@ constexpr const char* kMostPixels = "134217728";  // 400 MB
 
 // Cuts an image off the front of what cairn-images says.
 datasets::ImageReading TakeImage(std::string_view* said) {
-  const WorldError other("cairn-images is of another version: it does not say an image for each file");
+  const WorldError other("cairn-images is of another version: it does not say an image for a file");
   const std::size_t end = said->find('\n');
   if (end == std::string_view::npos) throw other;
   const std::string_view line = said->substr(0, end);
@@ -42,16 +42,13 @@ std::vector<datasets::ImageReading> ReadImagesElsewhere(const std::vector<std::s
                                                         int most_side) {
   // OpenCV's own limit, 2^30 pixels, is 3 GB of memory for an image that may be a kilobyte long.
   ::setenv("OPENCV_IO_MAX_IMAGE_PIXELS", kMostPixels, 0);
+  std::vector<std::string> arguments = {std::to_string(most_side)};
+  const std::size_t most = std::min(kImagesACall, paths.size());
+  arguments.insert(arguments.end(), paths.begin(), paths.begin() + static_cast<std::ptrdiff_t>(most));
+  const std::string text = OutputOf(ImagesProgram(), arguments);
   std::vector<datasets::ImageReading> readings;
-  while (readings.size() < paths.size()) {
-    std::vector<std::string> arguments = {std::to_string(most_side)};
-    const std::size_t end = std::min(readings.size() + kImagesACall, paths.size());
-    arguments.insert(arguments.end(), paths.begin() + static_cast<std::ptrdiff_t>(readings.size()),
-                     paths.begin() + static_cast<std::ptrdiff_t>(end));
-    const std::string text = OutputOf(ImagesProgram(), arguments);
-    std::string_view said = text;
-    while (readings.size() < end) readings.push_back(TakeImage(&said));
-  }
+  for (std::string_view said = text; readings.empty() || (!said.empty() && readings.size() < most);)
+    readings.push_back(TakeImage(&said));
   return readings;
 }
 

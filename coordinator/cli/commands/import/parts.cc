@@ -7,11 +7,11 @@
 
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/job_file/inputs.h"
+#include "coordinator/cli/output/path.h"
 #include "coordinator/cli/output/plan_text.h"
 #include "datasets/common/text_file.h"
 #include "datasets/common/unit_doubts.h"
 #include "schema/kinds/kind.h"
-#include "schema/store/blob_file.h"
 #include "schema/text.h"
 
 namespace cairn::cli {
@@ -40,7 +40,7 @@ int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportRep
   CheckKind(blob, kind);
   if (!report.unit_doubts.empty()) datasets::NoteUnitsAreRight(&blob);
   PrintLines("warning", report.unit_doubts);
-  Check(WriteBlobFile(output.out, kind, blob));
+  WriteOutput(output.out, kind, blob, output.force);
   if (output.json) {
     const nlohmann::ordered_json json = {{"file", output.out},           {"kind", kind},
                                          {"content", ContentText(blob)}, {"read", report.read},

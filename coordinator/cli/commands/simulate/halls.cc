@@ -8,7 +8,6 @@
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/output/path.h"
 #include "datasets/simulate/hall/hall.h"
-#include "schema/store/blob_file.h"
 
 namespace cairn::cli {
 namespace {
@@ -20,7 +19,7 @@ struct SimulateHallsArguments {
 };
 
 int Publish(const SimulateHallsArguments& options, const Blob& log) {
-  Check(WriteBlobFile(options.out, "log", log));
+  WriteOutput(options.out, "log", log, options.force);
   const auto range = log.Get<double>("robot/0/sonar/range_m");
   const auto cause = log.Get<std::uint8_t>("truth/robot/0/sonar/cause");
   const auto heard = std::ranges::count_if(range, [](double r) { return !std::isnan(r); });

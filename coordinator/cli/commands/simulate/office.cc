@@ -7,7 +7,6 @@
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/output/path.h"
 #include "datasets/simulate/loop.h"
-#include "schema/store/blob_file.h"
 
 namespace cairn::cli {
 namespace {
@@ -23,7 +22,7 @@ int Simulate(const SimulateOfficeArguments& options, const Invocation&) {
   datasets::SimulateOfficeOptions office = options.office;
   office.persons = !options.nobody;
   const Blob log = datasets::SimulateOffice(office);
-  Check(WriteBlobFile(options.out, "log", log));
+  WriteOutput(options.out, "log", log, options.force);
   const auto time = log.Get<double>("robot/0/sonar/time_s");
   double travelled_m = 0;
   for (const double forward : log.Get<double>("robot/0/odometry/forward_m")) travelled_m += forward;

@@ -10,7 +10,6 @@
 #include "coordinator/cli/output/path.h"
 #include "datasets/simulate/corridor/corridor.h"
 #include "schema/store/atomic_file.h"
-#include "schema/store/blob_file.h"
 
 namespace cairn::cli {
 namespace {
@@ -24,7 +23,7 @@ struct SimulateArguments {
 int Simulate(const SimulateArguments& options, const Invocation&) {
   CheckOverwrite(options.out, options.force);
   const Blob log = datasets::SimulateLoop(options.loop);
-  Check(WriteBlobFile(options.out, "log", log));
+  WriteOutput(options.out, "log", log, options.force);
   std::printf("%s: %d robot%s, %zu landmarks in truth, odometry ends %.1f m off\n", options.out.c_str(),
               options.loop.robots, options.loop.robots == 1 ? "" : "s",
               log.Texts("truth/landmarks/name").size(), datasets::FinalOdometricErrorM(log, 0));
@@ -57,7 +56,7 @@ int SimulateCorridor(const CorridorOptions& options, const Invocation&) {
       datasets::SimulateCorridor(options.corridor, options.pictures.empty() ? nullptr : &pictures);
   for (const datasets::CorridorPicture& picture : pictures)
     Check(WriteTextAtomically(PictureOf(options, picture.name), picture.png));
-  Check(WriteBlobFile(options.out, "samples", samples));
+  WriteOutput(options.out, "samples", samples, options.force);
   std::printf("%s: %d run%s of %d snapshots, %zu inputs, features: %s\n", options.out.c_str(),
               options.corridor.runs, options.corridor.runs == 1 ? "" : "s", options.corridor.snapshots,
               samples.Texts("input_name").size(), Join(samples.Texts("feature_name")).c_str());

@@ -1,0 +1,111 @@
+#include "coordinator/cli/output/pages.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "schema/error.h"
+#include "schema/wire/testing/private_folder.h"
+
+namespace cairn::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Pages : public ::testing::Test {
+ protected:
+  // Why the pages there are none to replace; empty: they are.
+  std::string Refusal(const std::optional<std::string>& job = "a") const {
+    try {
+      CheckPagesAreOurs(dir_.path(), {"first"}, job);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  void Write(const std::string& map, const std::string& job = "a") const {
+    WritePagesOf(dir_.path(), job, {{"map.png", map}, {"first/map.png", map}, {"report.html", "page"}});
+  }
+  // Its end comes when the page has still to be written, the pictures are there already.
+  void WriteInPart(const std::string& map, const std::string& job = "a") const {
+    fs::remove(dir_.path() / "report.html");
+    fs::create_directories(dir_.path() / "report.html" / "in the way");
+    EXPECT_ANY_THROW(Write(map, job));
+    fs::remove_all(dir_.path() / "report.html");
+  }
+  std::string Have(const char* page) const {
+    std::ifstream in(dir_.path() / page);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  void SetUp() override { fs::create_directories(dir_.path() / "first"); }
+
+  wire::PrivateFolder dir_;
+};
+
+TEST_F(Pages, WhatWasWrittenMayBeReplacedWhatSomebodyChangedMayNot) {
+  Write("map");
+  EXPECT_EQ(Refusal(), "");
+  for (const char* page : {"map.png", "first/map.png", "report.html"}) {
+    std::ofstream(dir_.path() / page) << "mine";
+    EXPECT_NE(Refusal().find("is not what cairn wrote"), std::string::npos) << page;
+    Write("map");
+  }
+}
+
+TEST_F(Pages, AfterAnEndInTheMidstTheyMayBeReplaced) {
+  WriteInPart("map");
+  ASSERT_EQ(Have("map.png"), "map");
+  EXPECT_EQ(Refusal(), "");
+  Write("map");
+  WriteInPart("another");
+  ASSERT_EQ(Have("map.png"), "another");
+  EXPECT_EQ(Refusal(), "");
+}
+
+// A folder where a page should be written first: nothing is replaced yet.
+TEST_F(Pages, AfterAnEndBeforeTheFirstTheOldOnesMayBeReplaced) {
+  Write("map");
+  EXPECT_ANY_THROW(WritePagesOf(dir_.path(), "a", {{"first", "in the way"}, {"map.png", "another"}}));
+  ASSERT_EQ(Have("map.png"), "map");
+  EXPECT_EQ(Refusal(), "");
+}
+
+TEST_F(Pages, WhatSomebodyPutThereDoesNotBecomeOursInTheMidst) {
+  std::ofstream(dir_.path() / "report.html") << "mine";
+  EXPECT_ANY_THROW(WritePagesOf(dir_.path(), "a", {{"first", "in the way"}, {"report.html", "page"}}));
+  ASSERT_EQ(Have("report.html"), "mine");
+  EXPECT_NE(Refusal().find("is not what cairn wrote"), std::string::npos);
+}
+
+TEST_F(Pages, ThoseOfAnotherJobMayNotBeReplaced) {
+  Write("map");
+  EXPECT_NE(Refusal("b").find("map.png' is there already, and is of another job"), std::string::npos);
+  EXPECT_NE(Refusal(std::nullopt), "") << "a run where no run was";
+  Write("map", "b");  // by force
+  EXPECT_EQ(Refusal("b"), "");
+  EXPECT_NE(Refusal("a"), "");
+}
+
+TEST_F(Pages, ThoseInTheFolderOfARunAreItsOwn) {
+  fs::create_directories(dir_.path() / ".cairn");
+  Write("map");
+  EXPECT_EQ(Refusal(std::nullopt), "") << "of the job that it replaces, say";
+  EXPECT_NE(Refusal("b"), "") << "results of a service are not the run";
+  std::ofstream(dir_.path() / "map.png") << "mine";
+  EXPECT_NE(Refusal(std::nullopt), "");
+}
+
+TEST_F(Pages, OnePageMayBeReplacedWhereTheOthersAreKnown) {
+  const std::string path = dir_.path() / "report.html";
+  WritePage(path, "alone");
+  EXPECT_FALSE(fs::exists(dir_.path() / ".cairn-pages"));
+  Write("map");
+  WritePage(path, "with its log");
+  EXPECT_EQ(Have("report.html"), "with its log");
+  EXPECT_EQ(Refusal(), "");
+}
+
+}  // namespace
+}  // namespace cairn::cli
