@@ -1,5 +1,7 @@
 #include "pipelines/landmark_map/initial_state.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "pipelines/landmark_map/model/work.h"
@@ -17,6 +19,23 @@ std::vector<bool> TypesSeen(const RobotSteps& robot, const MapRules& rules) {
   const auto classes = seen.begin() + rules.types;
   if (std::find(classes, seen.end(), true) != seen.end()) std::fill(classes, seen.end(), true);
   return seen;
+}
+
+// Of a robot that knows of where it is by one landmark alone nothing tells how it lies turned about that.
+void CheckSeenTwo(const RobotSteps& steps, const std::vector<bool>& shared, const MapRules& rules,
+                  const kinds::Log& log, std::size_t robot) {
+  std::int32_t only = -1;
+  for (const Observation& o : steps.observations) {
+    if (!shared[static_cast<std::size_t>(o.type)]) continue;
+    if (o.type >= rules.types || (only >= 0 && o.type != only)) return;
+    only = o.type;
+  }
+  if (only < 0) return;
+  throw InputError(fmt::format(
+      "robot '{}' has seen only one landmark that the first robot saw too, '{}': about that it may "
+      "be turned by any angle, so it cannot be placed; at least two must have the same names for "
+      "both robots. Or map each robot by itself",
+      log.robots[robot], log.landmarks[static_cast<std::size_t>(only)]));
 }
 
 std::vector<bool> TypesIn(const LayeredGrid& map) {
@@ -71,6 +90,7 @@ RobotStates MakeAllSteps(const Blob& blob, const Options& options, const Initial
     const bool anywhere = StartsAnywhere(options, r);
     const RobotSteps steps = MakeSteps(log.robot[r], robots[r], settings.steps, anywhere ? &shared : nullptr);
     if (shared.empty()) shared = TypesSeen(steps, settings.map);
+    if (!initial.given && r > 0) CheckSeenTwo(steps, shared, settings.map, log, r);
     if (initial.given && !anywhere) CheckReach(initial.given->map, steps, settings);
     robot_states.step_counts.push_back(steps.size());
     const int count = StepsInUse(initial.schedule, steps.size());
