@@ -36,13 +36,30 @@ std::string FoundText(const kinds::LandmarkMap::Search& search) {
   return fmt::format("found from {} of {} starts, {}", search.support.Or(0), search.starts.Or(0), ahead);
 }
 
+// Without a search, and nothing else to judge the map by.
+std::string WhyNothingIsKnown(const Blob& result) {
+  const auto map = Read<kinds::LandmarkMap>(result);
+  const std::string why = "there was no search";
+  if (const std::string reason = map.refinement_reason ? map.refinement_reason.Scalar() : "";
+      reason.starts_with("not tried"))
+    return why + ", nor a refinement whose residuals would tell (" + reason + ")";
+  const auto& identity = map.map.landmark_identity.OrNone();
+  const bool named = !identity.empty() && std::ranges::all_of(identity, [](int id) { return id >= 0; });
+  if (!named || map.refinement_done.Or(0) == 0) return why;
+  return why +
+         ", as observations name their landmarks; nor have contact detections a range or bearing whose "
+         "errors "
+         "would tell: compare the map with landmarks or poses that you know (cairn import csv "
+         "--truth-landmarks, --truth-poses; cairn evaluate)";
+}
+
 // What the search says of the map it chose.
 Verdict SearchVerdict(const Blob& result, bool at_a_distance) {
   Verdict verdict;
   const auto search = FieldsIn<kinds::LandmarkMap::Search>("search/", result);
   const Confidence confidence = ReadConfidence(result);
   if (confidence == Confidence::kNone) {
-    verdict.why = "there was no search";
+    verdict.why = WhyNothingIsKnown(result);
     return verdict;
   }
   verdict.numbers = {{"starts", search.starts.Or(0)}, {"starts_that_found_it", search.support.Or(0)}};

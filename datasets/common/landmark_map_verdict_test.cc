@@ -86,6 +86,23 @@ TEST(LandmarkMapVerdict, StartsThatAgreeAndASingleStart) {
   EXPECT_EQ(TextOf(Blob()), "not known: there was no search");
 }
 
+TEST(LandmarkMapVerdict, WhereNothingIsKnownItSaysWhyAndWhatToDo) {
+  Blob named;
+  named.PutVector<std::int32_t>("map/landmark_identity", {0, 1});
+  EXPECT_EQ(TextOf(named), "not known: there was no search");
+  named.PutScalar<std::uint8_t>("refinement/done", 1);
+  EXPECT_EQ(
+      TextOf(named),
+      "not known: there was no search, as observations name their landmarks; nor have contact detections "
+      "a range or bearing whose errors would tell: compare the map with landmarks or poses that you know "
+      "(cairn import csv --truth-landmarks, --truth-poses; cairn evaluate)");
+  named.PutScalar<std::uint8_t>("refinement/done", 0);
+  named.Put("refinement/reason", Array::Text("not tried: the map was given"));
+  EXPECT_EQ(TextOf(named),
+            "not known: there was no search, nor a refinement whose residuals would tell (not tried: the map "
+            "was given)");
+}
+
 TEST(LandmarkMapVerdict, AFileThatHoldsSomethingElseStatesNone) {
   Blob result;
   result.Put("search/support", Array::Text("three"));
