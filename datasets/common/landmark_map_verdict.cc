@@ -37,13 +37,30 @@ std::string FoundText(const kinds::LandmarkMap::Search& search) {
   return fmt::format("found from {} of {} starts, {}", search.support.Or(0), search.starts.Or(0), ahead);
 }
 
+// Without a search, and nothing else to judge the map by.
+std::string WhyNothingIsKnown(const Blob& result) {
+  const auto map = Read<kinds::LandmarkMap>(result);
+  const std::string why = "there was no search";
+  if (const std::string reason = map.refinement_reason ? map.refinement_reason.Scalar() : "";
+      reason.starts_with("not tried"))
+    return why + ", nor a refinement whose residuals would tell (" + reason + ")";
+  const auto& identity = map.map.landmark_identity.OrNone();
+  const bool named = !identity.empty() && std::ranges::all_of(identity, [](int id) { return id >= 0; });
+  if (!named || map.refinement_done.Or(0) == 0) return why;
+  return why +
+         ", as observations name their landmarks; nor have contact detections a range or bearing whose "
+         "errors "
+         "would tell: compare the map with landmarks or poses that you know (cairn import csv "
+         "--truth-landmarks, --truth-poses; cairn evaluate)";
+}
+
 // What the search says of the map it chose.
 Verdict SearchVerdict(const Blob& result, bool at_a_distance) {
   Verdict verdict;
   const auto search = FieldsIn<kinds::LandmarkMap::Search>("search/", result);
   const Confidence confidence = ReadConfidence(result);
   if (confidence == Confidence::kNone) {
-    verdict.why = "there was no search";
+    verdict.why = WhyNothingIsKnown(result);
     return verdict;
   }
   verdict.numbers = {{"starts", search.starts.Or(0)}, {"starts_that_found_it", search.support.Or(0)}};
@@ -65,34 +82,50 @@ Verdict SearchVerdict(const Blob& result, bool at_a_distance) {
   return verdict;
 }
 
-Verdict::Doubt OfMisfits(const kinds::LandmarkMap::Fit& fit) {
+// The name of the landmark that more than half of the misfits are of, though not half of the observations;
+// empty: there is none.
+std::string LandmarkThatMoves(const kinds::LandmarkMap& map) {
+  constexpr std::int64_t kLeast = 5;
+  const kinds::LandmarkMap::Fit& fit = map.fit;
+  const std::int64_t misfits = fit.landmark_misfits.Or(0), seen = fit.landmark_observations.Or(0);
+  if (fit.misfit_landmark.Or(-1) < 0 || misfits < kLeast || 2 * misfits <= fit.misfits.Scalar() ||
+      2 * seen >= fit.observations.Scalar())
+    return "";
+  return map.landmarks[static_cast<std::size_t>(fit.misfit_landmark.Scalar())];
+}
+
+Verdict::Doubt OfMisfits(const kinds::LandmarkMap& map) {
+  const kinds::LandmarkMap::Fit& fit = map.fit;
   constexpr double kFew = 0.03, kMany = 0.2, kGross = 6;
   const std::int64_t observations = fit.observations.Scalar(), misfits = fit.misfits.Scalar();
   if (misfits == 0) return {Confidence::kHigh};
   const double share = static_cast<double>(misfits) / static_cast<double>(observations);
   const double worst = fit.worst_sigmas.OrNone().empty() ? 0 : fit.worst_sigmas.OrNone().front();
   const double time_s = fit.worst_time_s.OrNone().empty() ? 0 : fit.worst_time_s.OrNone().front();
-  return {
-      std::min(AtMost(share, kFew, kMany), worst < kGross ? Confidence::kHigh : Confidence::kFair),
-      fmt::format("{} of {} observations {} not fit the map, the worst is {:.1f} standard deviations off, "
-                  "at {:.1f} s",
-                  misfits, observations, misfits == 1 ? "does" : "do", worst, time_s)};
+  const std::string moves = LandmarkThatMoves(map);
+  return {std::min(AtMost(share, kFew, kMany), worst < kGross ? Confidence::kHigh : Confidence::kFair),
+          fmt::format(
+              "{} of {} observations {} not fit the map, the worst is {:.1f} standard deviations off, "
+              "at {:.1f} s{}",
+              misfits, observations, misfits == 1 ? "does" : "do", worst, time_s,
+              moves.empty()
+                  ? ""
+                  : "; most of them are of landmark '" + moves + "': does it move? Then leave its rows out")};
 }
 
 // Widths estimated from the residuals that are far from what was stated of a sensor. Where nothing names the
 // landmarks the map may explain each of them by a landmark of its own.
-Verdict::Doubt OfWidths(const kinds::LandmarkMap::Fit& fit) {
+Verdict::Doubt OfWidths(const kinds::LandmarkMap& map) {
+  const kinds::LandmarkMap::Fit& fit = map.fit;
   constexpr double kWider = 1.5, kMuchWider = 3;
   double wider = 0;
   for (std::size_t k = 0; k < fit.kind.OrNone().size(); ++k)
     if ((fit.kind[k] == "range" || fit.kind[k] == "bearing") && fit.stated[k] > 0)
       wider = std::max(wider, fit.found[k] / fit.stated[k]);
   if (wider <= kWider) return {Confidence::kHigh};
-  return {
-      AtMost(wider, kWider, kMuchWider),
-      fmt::format("ranges or bearings err by {:.1f} times what is stated, or was expected: is the sensor's "
-                  "mount right?",
-                  wider)};
+  return {AtMost(wider, kWider, kMuchWider),
+          fmt::format("ranges or bearings err by {:.1f} times what is stated, or was expected{}", wider,
+                      LandmarkThatMoves(map).empty() ? ": is the sensor's mount right?" : "")};
 }
 
 Verdict::Doubt OfRun(const kinds::LandmarkMap::Fit& fit) {
@@ -235,7 +268,7 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, Verdict* ve
   const std::string fitted = fmt::format("{} observations fit the map", observations - misfits);
   verdict->why = named ? fitted : verdict->why + "; " + fitted;
   for (const Verdict::Doubt& doubt :
-       {OfMisfits(fit), WhereStartsDisagree(map, OfWidths(fit)), WhereStartsDisagree(map, OfRun(fit)),
+       {OfMisfits(map), WhereStartsDisagree(map, OfWidths(map)), WhereStartsDisagree(map, OfRun(fit)),
         WhereStartsDisagree(map, OfJumps(fit)), OfHalves(fit), OfUncertainty(map, verdict),
         OfDistances(map, verdict), OfTurns(map, verdict), OfRangeOffsets(map, verdict)}) {
     verdict->Add(doubt);

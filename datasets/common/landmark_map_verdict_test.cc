@@ -86,6 +86,23 @@ TEST(LandmarkMapVerdict, StartsThatAgreeAndASingleStart) {
   EXPECT_EQ(TextOf(Blob()), "not known: there was no search");
 }
 
+TEST(LandmarkMapVerdict, WhereNothingIsKnownItSaysWhyAndWhatToDo) {
+  Blob named;
+  named.PutVector<std::int32_t>("map/landmark_identity", {0, 1});
+  EXPECT_EQ(TextOf(named), "not known: there was no search");
+  named.PutScalar<std::uint8_t>("refinement/done", 1);
+  EXPECT_EQ(
+      TextOf(named),
+      "not known: there was no search, as observations name their landmarks; nor have contact detections "
+      "a range or bearing whose errors would tell: compare the map with landmarks or poses that you know "
+      "(cairn import csv --truth-landmarks, --truth-poses; cairn evaluate)");
+  named.PutScalar<std::uint8_t>("refinement/done", 0);
+  named.Put("refinement/reason", Array::Text("not tried: the map was given"));
+  EXPECT_EQ(TextOf(named),
+            "not known: there was no search, nor a refinement whose residuals would tell (not tried: the map "
+            "was given)");
+}
+
 TEST(LandmarkMapVerdict, AFileThatHoldsSomethingElseStatesNone) {
   Blob result;
   result.Put("search/support", Array::Text("three"));
@@ -194,6 +211,29 @@ TEST(LandmarkMapVerdict, AVagueMapIsNotHigh) {
   EXPECT_EQ(spread(0.4).trust, Confidence::kHigh);
   EXPECT_EQ(spread(0.45).trust, Confidence::kFair);
   EXPECT_NE(spread(2).why.find("may be 4.9 m off"), std::string::npos) << spread(2).why;
+}
+
+// A person with a tag, among landmarks that stay.
+TEST(LandmarkMapVerdict, OneLandmarkThatMostMisfitsAreOfIsNamed) {
+  const auto moving = [](std::int64_t misfits, std::int64_t of_landmark, std::int64_t observations,
+                         std::int32_t landmark = 1) {
+    Blob map = FittedMap(200, misfits, 2, 0, 4, 1.64);
+    map.Put("landmarks", Array::Texts({"door", "rosa"}));
+    map.PutScalar<std::int32_t>("fit/misfit_landmark", landmark);
+    map.PutScalar<std::int64_t>("fit/landmark_misfits", of_landmark);
+    map.PutScalar<std::int64_t>("fit/landmark_observations", observations);
+    return TextOf(map);
+  };
+  EXPECT_EQ(
+      moving(20, 11, 30),
+      "low: 180 observations fit the map; 20 of 200 observations do not fit the map, the worst is 4.0 "
+      "standard deviations off, at 7.0 s; most of them are of landmark 'rosa': does it move? Then leave "
+      "its rows out; ranges or bearings err by 16.4 times what is stated, or was expected");
+  for (const std::string& text : {moving(20, 10, 30), moving(4, 4, 30), moving(20, 20, 100),
+                                  moving(20, 11, 30, -1), TextOf(FittedMap(200, 20, 2, 0, 4, 1.64))}) {
+    EXPECT_EQ(text.find("does it move?"), std::string::npos) << text;
+    EXPECT_NE(text.find("is the sensor's mount right?"), std::string::npos) << text;
+  }
 }
 
 // Ranges in another unit than odometry, or one of both not calibrated: everything fits, in a wrong scale.

@@ -300,10 +300,15 @@ std::optional<UnitDoubt> DoubtPoses(std::span<const double> time_s, std::span<co
   if (x_m.size() != time_s.size() || y_m.size() != time_s.size()) return std::nullopt;
   if (!AllFinite(time_s) || !AllFinite(x_m) || !AllFinite(y_m)) return std::nullopt;
   const bool turns = heading_rad.size() == time_s.size() && AllFinite(heading_rad);
-  // The way from one heading to the next, the short one at ±pi and where a full turn begins anew.
+  const std::vector<Stretch> stretches = turns ? StretchesOf(x_m, y_m, heading_rad) : std::vector<Stretch>();
+  // Degrees jump by 360 at their end, which is some turns in radians too: headings that jump by turns are
+  // radians where they point where the robot goes.
+  const bool point_ahead = !stretches.empty() && Aside(stretches, 1, 0) <= kMostAside;
+  // The way from one heading to the next, the short one at ±pi and where full turns begin anew.
   const auto turn = [&](std::size_t i) {
     if (!turns) return 0.0;
     const double change = heading_rad[i] - heading_rad[i - 1];
+    if (point_ahead) return WrapAngle(change);
     const double other = change - std::copysign(kFullTurn_rad, change);
     return std::abs(other) < std::abs(change) ? other : change;
   };
@@ -313,7 +318,6 @@ std::optional<UnitDoubt> DoubtPoses(std::span<const double> time_s, std::span<co
   // Of a slow robot only this tells: headings that go on beyond full turns, and do not point where it goes.
   const auto most = std::ranges::max_element(heading_rad, {}, [](double h) { return std::abs(h); });
   if (most == heading_rad.end() || std::abs(*most) < 2 * kFullTurn_rad) return std::nullopt;
-  const std::vector<Stretch> stretches = StretchesOf(x_m, y_m, heading_rad);
   if (Aside(stretches, 1, 0) <= kMostAside || OtherHeadings(stretches) != nullptr) return std::nullopt;
   const auto row = static_cast<std::size_t>(most - heading_rad.begin());
   return UnitDoubt{row, time_s[row],

@@ -332,6 +332,27 @@ TEST(UnitDoubts, AHeadingThatGoesOnBeyondAFullTurnIsNotInDoubt) {
   EXPECT_FALSE(DoubtPoses(time, zero, zero, heading));
 }
 
+// Of odometry that counts full turns, and begins anew where somebody restarts it.
+TEST(UnitDoubts, AHeadingThatIsSetBackBySeveralTurnsIsNotInDoubtWhereItPointsAhead) {
+  std::vector<double> time, x, y, heading, degrees, zero;
+  for (int i = 0; i < 900; ++i) {
+    const double turned = 0.05 * i;  // circles of a metre: 7 turns
+    time.push_back(0.1 * i);
+    x.push_back(std::sin(turned));
+    y.push_back(1 - std::cos(turned));
+    heading.push_back(i < 700 ? turned : turned - 10 * std::numbers::pi);
+    degrees.push_back(std::remainder(turned, 2 * std::numbers::pi) / kUnitDegree_rad);
+    zero.push_back(0);
+  }
+  EXPECT_FALSE(DoubtPoses(time, x, y, heading));
+  const auto standing = DoubtPoses(time, zero, zero, heading);
+  ASSERT_TRUE(standing) << "nothing tells whether they are radians";
+  ExpectContains(standing->text, "it turns by 24.88 rad within 0.5 s");
+  const auto doubt = DoubtPoses(time, x, y, degrees);
+  ASSERT_TRUE(doubt);
+  ExpectContains(doubt->text, "are headings in degrees?");
+}
+
 TEST(UnitDoubts, AFastCarIsNotInDoubt) {
   std::vector<double> time, turn, forward;
   for (int i = 0; i < 400; ++i) {

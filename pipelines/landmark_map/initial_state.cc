@@ -1,6 +1,9 @@
 #include "pipelines/landmark_map/initial_state.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <set>
 
 #include "pipelines/landmark_map/model/work.h"
 #include "pipelines/landmark_map/result.h"
@@ -17,6 +20,25 @@ std::vector<bool> TypesSeen(const RobotSteps& robot, const MapRules& rules) {
   const auto classes = seen.begin() + rules.types;
   if (std::find(classes, seen.end(), true) != seen.end()) std::fill(classes, seen.end(), true);
   return seen;
+}
+
+// Of a robot that knows of where it is by one landmark alone nothing tells how it lies turned about that.
+void CheckSeenTwo(const kinds::Log& log, std::size_t robot) {
+  std::set<std::int32_t> by_others, common;
+  for (std::size_t r = 0; r < log.robot.size(); ++r)
+    if (r != robot)
+      for (const std::int32_t landmark : log.robot[r].observations.landmark.OrNone())
+        by_others.insert(landmark);
+  for (const std::int32_t landmark : log.robot[robot].observations.landmark.OrNone()) {
+    if (landmark < 0) return;  // which it is, is found out
+    if (by_others.contains(landmark)) common.insert(landmark);
+  }
+  if (common.size() != 1) return;
+  throw InputError(
+      fmt::format("robot '{}' has seen only one landmark that another robot saw too, '{}': about that it may "
+                  "be turned by any angle, so it cannot be placed; at least two must have the same names for "
+                  "two robots. Or map each robot by itself",
+                  log.robots[robot], log.landmarks[static_cast<std::size_t>(*common.begin())]));
 }
 
 std::vector<bool> TypesIn(const LayeredGrid& map) {
@@ -71,6 +93,7 @@ RobotStates MakeAllSteps(const Blob& blob, const Options& options, const Initial
     const bool anywhere = StartsAnywhere(options, r);
     const RobotSteps steps = MakeSteps(log.robot[r], robots[r], settings.steps, anywhere ? &shared : nullptr);
     if (shared.empty()) shared = TypesSeen(steps, settings.map);
+    if (!initial.given && r > 0) CheckSeenTwo(log, r);
     if (initial.given && !anywhere) CheckReach(initial.given->map, steps, settings);
     robot_states.step_counts.push_back(steps.size());
     const int count = StepsInUse(initial.schedule, steps.size());

@@ -27,6 +27,8 @@ InitialState MakeInitialState(const Options& options, const Inputs& inputs);
 
 // Every robot's steps; those that start anywhere begin where they see what the first robot has seen too, or
 // what the given map holds. `all`: takes them too.
+// Throws InputError where MakeSteps does, and where a robot but the first names all its landmarks and saw a
+// single one that another robot saw, too.
 RobotStates MakeAllSteps(const Blob& log, const Options& options, const InitialState& initial,
                          cairn::Step* step, std::vector<RobotSteps>* all);
 

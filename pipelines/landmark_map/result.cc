@@ -413,7 +413,8 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   result.PutAll("history/", history);
   result.PutScalar<std::uint8_t>("refinement/done", not_refined.empty() ? 1 : 0);
   result.Put("refinement/reason", Array::Text(not_refined));
-  if (!refined.paths.empty()) result.PutAll("fit/", refined.fit.ToBlob());
+  if (!refined.paths.empty())
+    result.PutAll("fit/", refined.fit.ToBlob(refined.landmarks, settings.map.types));
   if (!moved.empty()) result.PutAll("moved/", BlobOf(moved));
   if (inputs.Has("search")) result.PutAll("search/", *inputs.Get("search"));
   Step step;

@@ -113,6 +113,8 @@ struct LandmarkMap {
         fewest_common_s;
     Column<std::int64_t> observations, misfits, longest_run, odometry_misfits, fewest_common;
     Column<std::int32_t> worst_robot;
+    Column<std::int32_t> misfit_landmark;
+    Column<std::int64_t> landmark_misfits, landmark_observations;
     static void Fields(const auto& field) {
       field({"kind", "F"}, &Fit::kind);
       field({"stated", "F", NotNegative()}, &Fit::stated);
@@ -128,6 +130,9 @@ struct LandmarkMap {
       field({"worst_robot", "W", IndexInto("robots")}, &Fit::worst_robot);
       field({"worst_time_s", "W", Finite()}, &Fit::worst_time_s);
       field({"worst_sigmas", "W", From(0)}, &Fit::worst_sigmas);
+      field({"misfit_landmark", "", IndexInto("landmarks").OrNone()}, &Fit::misfit_landmark);
+      field({"landmark_misfits", "", From(0)}, &Fit::landmark_misfits);
+      field({"landmark_observations", "", From(0)}, &Fit::landmark_observations);
     }
   };
 

@@ -1,8 +1,13 @@
 #include "coordinator/cli/common/command.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <optional>
+#include <string>
 #include <type_traits>
 
 namespace cairn::cli {
@@ -14,12 +19,27 @@ void RefuseEmpty(CLI::Option* option) {
       [](const std::string& text) { return text.empty() ? "nothing is given (an empty word)" : ""; });
 }
 
+// What CLI::Range checks and --help says of it; but CLI::Range lets "nan" pass, and writes a bound out in all
+// its digits: where there is none, in 309 of them.
+CLI::Validator Allowed(const CLI::Range& range, const std::string& allowed) {
+  return {[range, allowed](std::string& text) {
+            const bool number = !std::isnan(std::strtod(text.c_str(), nullptr));
+            const bool right = number && range(text).empty();
+            return right ? "" : "'" + text + "' is not allowed; allowed: " + allowed;
+          },
+          range.get_description()};
+}
+
 }  // namespace
 
 Argument Argument::Required() const { return Argument(option_->required()); }
 Argument Argument::ShowDefault() const { return Argument(option_->capture_default_str()); }
-Argument Argument::Positive() const { return Argument(option_->check(CLI::PositiveNumber)); }
-Argument Argument::NotNegative() const { return Argument(option_->check(CLI::NonNegativeNumber)); }
+Argument Argument::Positive() const {
+  return Argument(option_->check(Allowed(CLI::PositiveNumber, "a number above 0")));
+}
+Argument Argument::NotNegative() const {
+  return Argument(option_->check(Allowed(CLI::NonNegativeNumber, "a number of at least 0")));
+}
 Argument Argument::ExistingFolder() const { return Argument(option_->check(CLI::ExistingDirectory)); }
 Argument Argument::OneEachTime() const { return Argument(option_->type_size(1)->allow_extra_args(false)); }
 Argument Argument::Needs(Argument other) const { return Argument(option_->needs(other.option_)); }
@@ -37,7 +57,12 @@ Argument Argument::Check(std::function<std::string(const std::string&)> wrong) c
 
 template <class T>
 Argument Argument::Within(T least, T most) const {
-  return Argument(option_->check(CLI::Range(least, most)));
+  std::string allowed;
+  if constexpr (std::is_integral_v<T>)
+    allowed = fmt::format("a whole number from {} to {}", least, most);
+  else
+    allowed = fmt::format("a number from {:g} to {:g}", least, most);
+  return Argument(option_->check(Allowed(CLI::Range(least, most), allowed)));
 }
 template Argument Argument::Within(int, int) const;
 template Argument Argument::Within(double, double) const;

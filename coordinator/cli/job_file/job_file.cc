@@ -133,7 +133,18 @@ class JobReader {
         yaml_.Refuse(entry.line, "stage '" + name + "' has the name of a file that a run writes");
       return;
     }
+    CheckStageKeys(yaml_.Map(node, "a stage", YamlReader::Line(node)));
     yaml_.Refuse(YamlReader::Line(node), "a stage without 'name'");
+  }
+
+  // Of a stage that lacks what each has: a mistyped key is why.
+  void CheckStageKeys(const std::vector<YamlEntry>& entries) const {
+    std::vector<std::string> known = {"name", "pipeline", "options"};
+    for (const PipelineSpec& pipeline : catalog_.pipelines())
+      for (const std::string& input : pipeline.InputNames())
+        if (std::ranges::find(known, input) == known.end()) known.push_back(input);
+    for (const YamlEntry& entry : entries)
+      if (std::ranges::find(known, entry.key) == known.end()) ThrowUnknownKey(entry, known);
   }
 
   void ReadStage(const YAML::Node& node) {
@@ -169,6 +180,7 @@ class JobReader {
         yaml_.Refuse(entry.line, error.what());
       }
     }
+    CheckStageKeys(entries);
     yaml_.Refuse(YamlReader::Line(node), "a stage without 'pipeline'");
   }
 

@@ -159,6 +159,11 @@ constexpr Bad kBad[] = {
     {"StageWithoutName", "  - name: landmarks\n    pipeline", "  - pipeline",
      "job.yaml:5: a stage without 'name'"},
     {"StageWithoutPipeline", "    pipeline: landmark_map\n", "", "job.yaml:5: a stage without 'pipeline'"},
+    {"StageWithAMistypedName", "name: landmarks", "nmae: landmarks",
+     "job.yaml:5: unknown key 'nmae'; did you mean 'name'?; known: name, pipeline, options, log, poses"},
+    {"StageWithAMistypedPipeline", "pipeline: landmark_map", "pipelin: landmark_map",
+     "job.yaml:6: unknown key 'pipelin'; did you mean 'pipeline'?; known: name, pipeline, options, log, "
+     "poses"},
     {"StageTwice", "name: grid", "name: landmarks",
      "job.yaml:13: stage 'landmarks' was named already, at line 5"},
     {"StageNamedAsAnInput", "name: grid", "name: log", "job.yaml:13: stage 'log' has the name of an input"},

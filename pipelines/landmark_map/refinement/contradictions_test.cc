@@ -140,6 +140,29 @@ TEST(LandmarkMap, ARobotThatNeverMeetsTheOthersLandmarksIsRefused) {
   ExpectContains(ReasonOf(log), "robot 'two' has seen nothing that the first robot saw too");
 }
 
+// It may be turned about the one that both saw by any angle: to look for it everywhere takes all memory.
+TEST(LandmarkMap, ARobotThatSharesOneLandmarkWithTheFirstIsRefusedAndOneThatSharesTwoIsNot) {
+  const Blob one = SquareLog{.laps = 4, .ranged = true, .identified = true}.Make();
+  const Blob two = SquareLog{.laps = 2, .ranged = true, .identified = true, .seed = 2}.Make();
+  const auto named = two.Get<std::int32_t>("robot/0/observations/landmark");
+  const Options coarse{.cell_m = 1.0, .heading_deg = 10.0};
+  const auto sharing = [&](std::int32_t count) {
+    Blob log = one;
+    std::vector<std::int32_t> renamed;
+    for (const std::int32_t k : named) renamed.push_back(k < count ? k : k + 4);
+    log.Put("landmarks", Array::Texts({"a", "b", "c", "d", "e", "f", "g", "h"}));
+    log.Put("robots", Array::Texts({"one", "two"}));
+    log.PutAll("robot/1/", two.Sub("robot/0/"));
+    log.PutVector("robot/1/observations/landmark", renamed);
+    return log;
+  };
+  ExpectContains(
+      ReasonOf(sharing(1), coarse),
+      "robot 'two' has seen only one landmark that another robot saw too, 'a': about that it may be "
+      "turned by any angle, so it cannot be placed; at least two must have the same names");
+  EXPECT_EQ(ReasonOf(sharing(2), coarse), "");
+}
+
 TEST(LandmarkMap, OfARobotWithoutObservationsItSaysSoAndWhatToDo) {
   const Blob log = SquareLog{.laps = 4, .identified = true}.Make();
   for (const std::size_t idle : {0U, 1U}) {

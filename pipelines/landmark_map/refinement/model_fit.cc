@@ -83,6 +83,23 @@ void FindFewestCommon(const LeastSquaresProblem& problem, ModelFit* fit) {
   }
 }
 
+void CountByLandmark(const LeastSquaresProblem& problem, const std::vector<double>& sigmas, ModelFit* fit) {
+  struct Count {
+    std::int64_t misfits = 0, observations = 0;
+  };
+  std::vector<Count> counts(static_cast<std::size_t>(problem.landmarks));
+  for (std::size_t i = 0; i < sigmas.size(); ++i) {
+    Count& count = counts[static_cast<std::size_t>(problem.sightings[i].landmark)];
+    ++count.observations;
+    count.misfits += sigmas[i] >= kMisfitSigmas;
+  }
+  const auto most = std::ranges::max_element(counts, {}, &Count::misfits);
+  if (most == counts.end() || most->misfits == 0) return;
+  fit->misfit_landmark = static_cast<std::int32_t>(most - counts.begin());
+  fit->landmark_misfits = most->misfits;
+  fit->landmark_observations = most->observations;
+}
+
 }  // namespace
 
 ModelFit FitOf(const LeastSquaresProblem& nominal, const LeastSquaresProblem& problem,
@@ -113,6 +130,7 @@ ModelFit FitOf(const LeastSquaresProblem& nominal, const LeastSquaresProblem& pr
     }
     fit.worst.push_back({seen.robot, time_s, sigmas[i]});
   }
+  CountByLandmark(problem, sigmas, &fit);
   double furthest = 0;
   const std::vector<std::vector<double>> edges = EdgeSigmas(problem, point);
   for (std::size_t r = 0; r < edges.size(); ++r) {
@@ -131,7 +149,7 @@ ModelFit FitOf(const LeastSquaresProblem& nominal, const LeastSquaresProblem& pr
   return fit;
 }
 
-Blob ModelFit::ToBlob() const {
+Blob ModelFit::ToBlob(const std::vector<Landmark>& landmarks, int types) const {
   kinds::LandmarkMap::Fit fit;
   fit.kind = cairn::ColumnOf(widths, &Width::kind);
   fit.stated = cairn::ColumnOf(widths, &Width::stated);
@@ -149,6 +167,12 @@ Blob ModelFit::ToBlob() const {
   fit.worst_robot = cairn::ColumnOf(worst, &Misfit::robot);
   fit.worst_time_s = cairn::ColumnOf(worst, &Misfit::time_s);
   fit.worst_sigmas = cairn::ColumnOf(worst, &Misfit::sigmas);
+  if (misfit_landmark >= 0) {
+    const int type = landmarks[static_cast<std::size_t>(misfit_landmark)].type;
+    fit.misfit_landmark = type < types ? type : -1;
+    fit.landmark_misfits = landmark_misfits;
+    fit.landmark_observations = landmark_observations;
+  }
   return BlobOf(fit);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pipelines/landmark_map/landmarks/summary.h"
 #include "pipelines/landmark_map/refinement/least_squares.h"
 #include "schema/blob.h"
 
@@ -40,11 +41,15 @@ struct ModelFit {
   // at either end: where there are none the two halves of its map hang on odometry alone. -1: of no robot.
   std::int64_t fewest_common = -1;
   double fewest_common_s = 0;
-  std::vector<Misfit> worst;               // ten at most, the worst first
+  std::vector<Misfit> worst;  // ten at most, the worst first
+  // The landmark that most misfits are of, the first of several; -1: there are no misfits.
+  std::int32_t misfit_landmark = -1;
+  std::int64_t landmark_misfits = 0, landmark_observations = 0;
   std::vector<std::vector<double>> off_m;  // of each landmark: how far from it its observations see it
 
-  // As schema/FORMAT.md has it, under `fit/`; without `off_m`.
-  Blob ToBlob() const;
+  // As schema/FORMAT.md has it, under `fit/`; without `off_m`. `landmarks`: those that it is of; only the
+  // first `types` types have names.
+  Blob ToBlob(const std::vector<Landmark>& landmarks, int types) const;
 };
 
 // Of the least squares' end. `nominal`: the problem as it was stated; `problem`: with the widths that were

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "schema/kinds/landmark_map.h"
+
 namespace cairn::landmark_map {
 namespace {
 
@@ -57,6 +59,30 @@ TEST(FitOf, NamesTheLongestRunAndTheWorst) {
   ASSERT_EQ(fit.worst.size(), 7U);
   EXPECT_EQ(fit.worst.front().time_s, 11.0);
   EXPECT_GT(fit.worst.front().sigmas, fit.worst.back().sigmas);
+}
+
+TEST(FitOf, NamesTheLandmarkThatMostMisfitsAreOf) {
+  Straight drive = Drive();
+  drive.problem.landmarks = 3;
+  drive.point.landmarks = {{10.0, 5.0}, {10.0, 5.0}, {10.0, 5.0}};
+  for (const int k : {0, 1, 2, 3, 4, 5}) drive.problem.sightings[static_cast<std::size_t>(k)].landmark = 2;
+  for (const int k : {2, 3, 5, 11, 12}) drive.problem.sightings[static_cast<std::size_t>(k)].y_m -= 2.0;
+  const ModelFit fit = FitOf(drive.problem, drive.problem, drive.point);
+  EXPECT_EQ(fit.misfits, 5);
+  EXPECT_EQ(fit.misfit_landmark, 2);
+  EXPECT_EQ(fit.landmark_misfits, 3);
+  EXPECT_EQ(fit.landmark_observations, 6);
+  std::vector<Landmark> landmarks(3);
+  landmarks[2].type = 7;
+  const auto stored = [&](const ModelFit& of, int types) {
+    return FieldsIn<kinds::LandmarkMap::Fit>("", of.ToBlob(landmarks, types));
+  };
+  EXPECT_EQ(stored(fit, 8).misfit_landmark.Scalar(), 7) << "by its name, whatever others are left out";
+  EXPECT_EQ(stored(fit, 8).landmark_misfits.Scalar(), 3);
+  EXPECT_EQ(stored(fit, 8).landmark_observations.Scalar(), 6);
+  EXPECT_EQ(stored(fit, 7).misfit_landmark.Scalar(), -1) << "it has none";
+  const Straight exact = Drive();
+  EXPECT_FALSE(stored(FitOf(exact.problem, exact.problem, exact.point), 8).misfit_landmark);
 }
 
 TEST(FitOf, ASlipIsAMisfitOfOdometry) {
