@@ -42,6 +42,7 @@ void BeginFrom(const StartingPoint& start, const Options& options, const std::ve
   Schedule schedule;
   schedule.prefix = start.prefix;
   schedule.growth = settings.growth_factor;
+  schedule.apart = IterationsApart(settings);
   const int count = StepsInUse(schedule, first_robot.size());
   robot_states.work[0] = WorkOf(ReckonOpenLoop(first_robot, settings.Model(nullptr), count).cells, count);
   state->Clear();

@@ -124,6 +124,17 @@ MStep MadeMap(Partials& partials, const Settings& settings, WhatIsLeft* left, st
   return MStep::FromBlob(settings, *last, robots);
 }
 
+// The next round's, in which robots are apart: the maps that tasks of this round made without one robot each.
+void TakeMapsWithout(const State& state, const Settings& settings, std::size_t robots, Partials& partials,
+                     std::map<std::string, Blob>* fresh) {
+  for (std::size_t r = 1; r < robots; ++r) {
+    const std::int64_t task = state.scalars().at(TaskWithout(r)).i();
+    RequireWithin(TaskWithout(r), task, 0, static_cast<std::int64_t>(partials.size()) - 1);
+    const BlobPtr made = partials.Get(static_cast<std::size_t>(task));
+    (*fresh)[PerceptionWithout(r)] = BlobOf(MStep::FromBlob(settings, *made, robots).perception);
+  }
+}
+
 std::string Note(const Schedule& done, double log_likelihood, std::size_t landmarks) {
   return fmt::format("iteration {}: log-likelihood {:.2f}, {} landmarks, {:.0f}% of the data, {} robot{}",
                      done.iteration + 1, log_likelihood, landmarks, 100.0 * done.prefix, done.robots,
@@ -227,6 +238,7 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
                                     {"perception", BlobOf(m_step.perception)},
                                     {"landmarks", BlobOf(m_step.landmarks)}};
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
+  if (next.is_apart()) TakeMapsWithout(state, settings, robots.size(), partials, &fresh);
   PlanGuesses(options, sum, left, next, &robot_states, &fresh, step.plan.mutable_state());
   PlanRound(options, robots, next, robot_states, fresh, &step);
   step.plan.set_note(Note(done, sum.log_likelihood(), m_step.landmarks.size()));

@@ -58,6 +58,7 @@ InitialState MakeInitialState(const Options& options, const Inputs& inputs) {
   InitialState initial{Resolve(options, log), {}, {}, {}};
   initial.schedule.prefix = initial.settings.growth_start;
   initial.schedule.growth = initial.settings.growth_factor;
+  initial.schedule.apart = inputs.Has("map") ? 0 : IterationsApart(initial.settings);
   if (options.iterations == 0) initial.schedule.phase = Phase::kSummary;
   if (options.iterations == 0) initial.settings.starts = 1;  // nothing to choose from
   const std::size_t robots = log.Texts("robots").size();

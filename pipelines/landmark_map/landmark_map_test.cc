@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "pipelines/landmark_map/testing.h"
 #include "pipelines/testing/in_process.h"
@@ -147,6 +149,27 @@ TEST(LandmarkMap, ASecondRobotIsPlacedInTheFirstOnesMapAndTimesIncrease) {
              y = result->Get<double>("robot/1/poses/mode_y_m");
   EXPECT_NEAR(x.front(), 0.0, 0.8);
   EXPECT_NEAR(y.front(), 0.0, 0.8);
+}
+
+// After they have joined, robots whose landmarks have no names are looked up for some iterations in the map
+// of the others, which is not the one that the first robot is looked up in.
+TEST(LandmarkMap, RobotsThatJoinedAreFoundInTheMapOfTheOthersForSomeIterations) {
+  Blob log = PostsLog{.drift_rad_per_m = 0.0}.Make();
+  log.Put("robots", Array::Texts({"one", "two"}));
+  log.PutAll("robot/1/", PostsLog{.drift_rad_per_m = 0.0, .seed = 2}.Make().Sub("robot/0/"));
+  std::vector<bool> apart;  // of each round of both
+  const LandmarkMap pipeline({.starts = 1});
+  RunInProcess(pipeline, {{"log", std::make_shared<const Blob>(log)}}, [&](const proto::Step& step) {
+    std::map<std::int64_t, std::string> map_of;  // robot -> hash
+    for (const Task& task : step.tasks())
+      for (const proto::InputRef& input : task.inputs())
+        if (input.name() == "perception") map_of[task.params().at("robot").i()] = input.blob();
+    if (map_of.size() == 2) apart.push_back(map_of[0] != map_of[1]);
+  });
+  ASSERT_GE(apart.size(), 8U);
+  EXPECT_FALSE(apart.front());
+  for (std::size_t i = 1; i <= 5; ++i) EXPECT_TRUE(apart[i]) << i;
+  EXPECT_EQ(std::ranges::count(apart, true), 5);
 }
 
 // Once it has joined, a robot that may start anywhere must not search a larger box in every round.

@@ -110,6 +110,45 @@ TEST(MStepTask, LargePartialsAreAddedUpAFewAtATime) {
   EXPECT_EQ(step.plan.tasks().rbegin()->kind(), "m_step");
 }
 
+// The maps of the others: a task for each robot but the first, of all `backward` tasks but its own, which the
+// State names; and in the round after, each robot is looked up in its own.
+TEST(MStepTask, BeforeRobotsAreApartEachGetsTheMapOfTheOthers) {
+  RobotStates robot_states;
+  robot_states.blobs = {{"settings", "s"}, {"steps/0", "a"}, {"steps/1", "b"}, {"steps/2", "c"}};
+  robot_states.step_counts = {10, 10, 10};
+  robot_states.work = robot_states.sharp = {10.0, 10.0, 10.0};
+  robot_states.overlap = {kOverlap, kOverlap, kOverlap};
+  robot_states.odometry.resize(3);
+  const std::vector<std::string> robots = {"one", "two", "three"};
+  cairn::Step step;
+  PlanRound({}, robots, {.robots = 3, .apart = 1}, robot_states, {}, &step);
+  for (const std::size_t robot : {1U, 2U}) {
+    const Task& without =
+        step.plan.tasks(static_cast<int>(step.plan.state().scalars().at(TaskWithout(robot)).i()));
+    EXPECT_EQ(without.kind(), "m_step");
+    std::vector<std::int64_t> read;
+    for (const proto::InputRef& input : without.inputs())
+      if (input.has_task())
+        read.push_back(step.plan.tasks(static_cast<int>(input.task())).params().at("robot").i());
+    EXPECT_EQ(read, (std::vector<std::int64_t>{0, robot == 1 ? 2 : 1}));
+  }
+  EXPECT_FALSE(step.plan.state().scalars().contains(TaskWithout(0)));
+
+  cairn::Step apart;
+  Blob all, own;
+  all.PutScalar<double>("of", 0.0);
+  own.PutScalar<double>("of", 1.0);
+  PlanRound({}, robots, {.robots = 3, .settled = 1, .apart = 1}, robot_states,
+            {{"perception", all}, {PerceptionWithout(1), own}}, &apart);
+  for (const Task& task : apart.plan.tasks()) {
+    if (task.kind() != "backward") continue;
+    for (const proto::InputRef& input : task.inputs())
+      if (input.name() == "perception") {
+        EXPECT_EQ(input.blob(), (task.params().at("robot").i() == 1 ? own : all).ContentHash().Binary());
+      }
+  }
+}
+
 // A result is made of summaries: the tables that come with them may go.
 TEST(RoundSum, KeepsOfAPartialNoTable) {
   const Round round;

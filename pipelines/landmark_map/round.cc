@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "pipelines/common/handed_over.h"
 #include "pipelines/common/state_scalars.h"
@@ -58,25 +59,27 @@ class RoundPlanner {
       const auto at = static_cast<std::size_t>(s);
       beta = AddTask("backward", chain, s, forward[at], beta, guess[at]);
       backward_.push_back(beta);
+      robot_of_.push_back(robot);
       bytes_.push_back(sizeof(double) * robot_states_.work[robot] / count);
     }
   }
 
-  // From the partials of all robots' `backward` tasks, in their order. Where they are large tasks `sum` add
-  // them up as they come, each a few more to what the one before it has.
-  void AddMStep(std::size_t robots) {
-    std::int64_t sum = kNone;
-    std::size_t begin = 0;
-    double bytes = 0.0;
-    for (std::size_t i = 0; i < backward_.size(); ++i) {
-      if (i > begin && bytes + bytes_[i] > kSumBytes) {
-        sum = AddSum("sum", kSumUs, robots, sum, begin, i);
-        begin = i;
-        bytes = 0.0;
+  // From the partials of all robots' `backward` tasks, in their order.
+  void AddMStep(std::size_t robots) { AddMapOf(backward_, bytes_, robots); }
+
+  // The maps that follow without one robot each, of all but the first, whose place is the frame's.
+  void AddMapsWithout(std::size_t robots) {
+    for (std::size_t without = 1; without < robots; ++without) {
+      std::vector<std::int64_t> backward;
+      std::vector<double> bytes;
+      for (std::size_t i = 0; i < backward_.size(); ++i) {
+        if (robot_of_[i] == without) continue;
+        backward.push_back(backward_[i]);
+        bytes.push_back(bytes_[i]);
       }
-      bytes += bytes_[i];
+      (*plan_->mutable_state()->mutable_scalars())[TaskWithout(without)].set_i(
+          AddMapOf(backward, bytes, robots));
     }
-    AddSum("m_step", kMStepUs, robots, sum, begin, backward_.size());
   }
 
  private:
@@ -86,6 +89,24 @@ class RoundPlanner {
     int count;
     std::string guessed;
   };
+
+  // Where the partials are large tasks `sum` add them up as they come, each a few more to what the one before
+  // it has.
+  std::int64_t AddMapOf(const std::vector<std::int64_t>& backward, const std::vector<double>& of_bytes,
+                        std::size_t robots) {
+    std::int64_t sum = kNone;
+    std::size_t begin = 0;
+    double bytes = 0.0;
+    for (std::size_t i = 0; i < backward.size(); ++i) {
+      if (i > begin && bytes + of_bytes[i] > kSumBytes) {
+        sum = AddSum("sum", kSumUs, robots, sum, std::span(backward).subspan(begin, i - begin));
+        begin = i;
+        bytes = 0.0;
+      }
+      bytes += of_bytes[i];
+    }
+    return AddSum("m_step", kMStepUs, robots, sum, std::span(backward).subspan(begin));
+  }
 
   std::int64_t AddTask(const char* kind, const RobotChain& chain, int slice, std::int64_t before,
                        std::int64_t beta, std::int64_t guess) {
@@ -100,7 +121,11 @@ class RoundPlanner {
     task.Set("summarise", schedule_.summarises()).Set("joint", schedule_.robots > 1);
     task.Set("warm", LeavesTables(options_, schedule_));
     task.Read("settings").Read("steps", "steps/" + std::to_string(chain.robot));
-    if (plan_->state().blobs().contains("perception")) task.Read("perception");
+    const std::string own = PerceptionWithout(chain.robot);
+    if (plan_->state().blobs().contains(own))
+      task.Read("perception", own);
+    else if (plan_->state().blobs().contains("perception"))
+      task.Read("perception");
     if (schedule_.summarises()) task.Read("landmarks");
     if (!chain.guessed.empty()) task.Read("guesses", kGuesses + std::to_string(chain.robot));
     if (before != kNone) task.ReadPartial("before", before);
@@ -110,11 +135,11 @@ class RoundPlanner {
   }
 
   std::int64_t AddSum(const char* kind, double cost_us, std::size_t robots, std::int64_t before,
-                      std::size_t begin, std::size_t end) {
+                      std::span<const std::int64_t> partials) {
     TaskBuilder task(kind, cost_us, plan_);
     task.Set("robots", robots).Read("settings");
     if (before != kNone) task.ReadPartial("sum", before);
-    for (std::size_t i = begin; i < end; ++i) task.ReadPartial(PartialInput(i - begin), backward_[i]);
+    for (std::size_t i = 0; i < partials.size(); ++i) task.ReadPartial(PartialInput(i), partials[i]);
     return task.index();
   }
 
@@ -132,10 +157,14 @@ class RoundPlanner {
   const RobotStates& robot_states_;
   proto::Step* plan_;
   std::vector<std::int64_t> backward_;  // tasks
+  std::vector<std::size_t> robot_of_;   // theirs
   std::vector<double> bytes_;           // of their partials, some: a belief's of the robot
 };
 
 }  // namespace
+
+std::string TaskWithout(std::size_t robot) { return "task_without/" + std::to_string(robot); }
+std::string PerceptionWithout(std::size_t robot) { return "perception_without/" + std::to_string(robot); }
 
 Blob StoredCounts(const LayeredGrid& counts) {
   Blob blob;
@@ -225,6 +254,7 @@ void PlanTasks(const Options& options, const std::vector<std::string>& robots, p
   for (std::int64_t r = 0; r < schedule.robots; ++r) {
     planner.AddRobot(static_cast<std::size_t>(r), robots[static_cast<std::size_t>(r)]);
   }
+  if (schedule.comes_before_apart()) planner.AddMapsWithout(robots.size());
   if (!schedule.summarises()) planner.AddMStep(robots.size());
   ExpectEm(options, schedule, robot_states, plan);
 }

@@ -36,6 +36,11 @@ int StepsInUse(const Schedule& schedule, std::int64_t steps);
 // Whether the tasks `backward` of this E-step leave tables from which the next one's slices may be guessed.
 bool LeavesTables(const Options& options, const Schedule& schedule);
 
+// The map that all robots but this one make, of a round that comes before one in which they are apart: the
+// State's scalar that says which task makes it, and its blob of the next round.
+std::string TaskWithout(std::size_t robot);
+std::string PerceptionWithout(std::size_t robot);
+
 // What a task is told of its robot's odometry.
 OdometryFit OdometryOf(const Task& task);
 

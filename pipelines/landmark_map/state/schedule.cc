@@ -7,6 +7,11 @@
 
 namespace cairn::landmark_map {
 
+std::int64_t IterationsApart(const Settings& settings) {
+  constexpr std::int64_t kApart = 5;
+  return settings.gauge_free && settings.map.types == 0 ? kApart : 0;
+}
+
 Schedule Schedule::Load(const State& state, std::size_t all_robots) {
   constexpr std::int64_t kMost = 1 << 30;
   const auto schedule = ScalarsIn<Schedule>(state);
@@ -17,6 +22,7 @@ Schedule Schedule::Load(const State& state, std::size_t all_robots) {
   RequireWithin("the number of robots", schedule.robots, 1, static_cast<std::int64_t>(all_robots));
   RequireWithin("the iterations on all data", schedule.settled, 0, kMost);
   RequireWithin("the growth", schedule.growth, 1.001, 1e9);
+  RequireWithin("the iterations apart", schedule.apart, 0, kMost);
   return schedule;
 }
 
@@ -31,7 +37,8 @@ Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double 
   }
   ++next.settled;
   const double change = std::abs(log_likelihood_now - log_likelihood);
-  const bool converged = settled > 0 && change < options.tolerance * observations;
+  // Apart they settle in maps that nobody keeps.
+  const bool converged = settled > (robots > 1 ? apart : 0) && change < options.tolerance * observations;
   if (next.settled < options.iterations && !converged) return next;
   if (robots < all_robots) {
     next.robots = all_robots;

@@ -18,6 +18,10 @@ enum class Phase : std::int32_t {
   kRefinedSummary  // the same under the map of the least squares (refine.h)
 };
 
+// Schedule::apart of such a log: where landmarks are seen at a distance and have no names, a robot that took
+// a wrong place when it joined explains all that it sees by landmarks of its own and never leaves it.
+std::int64_t IterationsApart(const Settings& settings);
+
 // Where EM stands. Robots but the first start anywhere ([TBF98] section 8): they join when there is a map.
 struct Schedule {
   Phase phase = Phase::kMap;
@@ -27,9 +31,14 @@ struct Schedule {
   std::int64_t settled = 0;     // iterations on all data of these robots
   double log_likelihood = 0.0;  // of the iteration before
   double growth = 2.0;          // factor on the prefix an iteration
+  std::int64_t apart = 0;       // iterations after the others joined in which each looks at others' map alone
 
   bool summarises() const { return phase != Phase::kMap; }
   bool is_refined() const { return phase == Phase::kRefinedSummary; }
+  // Each robot but the first is found in the map that the others alone make.
+  bool is_apart() const { return phase == Phase::kMap && robots > 1 && settled >= 1 && settled <= apart; }
+  // The next one may be.
+  bool comes_before_apart() const { return phase == Phase::kMap && robots > 1 && settled < apart; }
   void Store(State* state) const { PutScalars(*this, "", state); }
   // Throws InputError where it is none, or of more robots than there are: others made the State.
   static Schedule Load(const State& state, std::size_t all_robots = 1 << 30);
@@ -41,6 +50,7 @@ struct Schedule {
     field("settled", &Schedule::settled);
     field("log_likelihood", &Schedule::log_likelihood);
     field("growth", &Schedule::growth);
+    field("apart", &Schedule::apart);
   }
   // After an E-step that found `log_likelihood_now` for so many observations. EM has settled where it changed
   // by less than `tolerance` an observation: a share of the whole would depend on the unit of densities.

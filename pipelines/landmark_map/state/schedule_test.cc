@@ -2,13 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "pipelines/landmark_map/round.h"
 
 namespace cairn::landmark_map {
 namespace {
 
 TEST(Schedule, IsWhatItWasAfterTheState) {
-  const Schedule schedule{Phase::kSummary, 3, 0.4, 2, 1, -12.5, 1.3};
+  const Schedule schedule{Phase::kSummary, 3, 0.4, 2, 1, -12.5, 1.3, 4};
   State state;
   schedule.Store(&state);
   const Schedule again = Schedule::Load(state);
@@ -19,6 +21,7 @@ TEST(Schedule, IsWhatItWasAfterTheState) {
   EXPECT_EQ(again.log_likelihood, -12.5);
   EXPECT_EQ(again.phase, Phase::kSummary);
   EXPECT_EQ(again.growth, 1.3);
+  EXPECT_EQ(again.apart, 4);
 }
 
 TEST(Schedule, ThePrefixGrowsToAllThenIterationsCountThenTheOtherRobotsJoinThenItEnds) {
@@ -51,6 +54,37 @@ TEST(Schedule, AnIterationThatChangesLittleEndsThem) {
   EXPECT_FALSE(s.summarises());
   s = s.Next(options, 1, -89.96, kObservations);
   EXPECT_TRUE(s.summarises());
+}
+
+// Apart robots are for so many iterations after the one in which they join, however little these change, and
+// what one robot alone does until it has settled is not held up by it.
+TEST(Schedule, RobotsAreApartAfterTheyHaveJoinedAndTogetherBeforeItEnds) {
+  const Options options{.iterations = 50, .tolerance = 1e-3};
+  Schedule s{.apart = 2};
+  std::vector<bool> apart, before;
+  const auto settle = [&] {
+    s = s.Next(options, 3, -100.0, 20.0);
+    apart.push_back(s.is_apart());
+    before.push_back(s.comes_before_apart());
+  };
+  settle();
+  settle();
+  ASSERT_EQ(s.robots, 3);
+  for (int i = 0; i < 4; ++i) settle();
+  EXPECT_EQ(apart, (std::vector<bool>{false, false, true, true, false, false}));
+  EXPECT_EQ(before, (std::vector<bool>{false, true, true, false, false, false}));
+  EXPECT_TRUE(s.summarises());
+}
+
+TEST(Schedule, RobotsAreApartWhereLandmarksAreSeenAtADistanceAndHaveNoNames) {
+  Settings settings;
+  settings.gauge_free = true;
+  EXPECT_GT(IterationsApart(settings), 0);
+  settings.map.types = 2;
+  EXPECT_EQ(IterationsApart(settings), 0);
+  settings.map.types = 0;
+  settings.gauge_free = false;
+  EXPECT_EQ(IterationsApart(settings), 0);
 }
 
 TEST(StepsInUse, AtLeastOneAndAllForTheSummary) {
