@@ -13,9 +13,12 @@ exits 0 "${job[@]}" --out undisturbed
 # A worker that is killed is started again by its run, which goes on; a run that is killed is begun again.
 whole=0 workers=0 run=0 ended=0
 alive() { [ "$run" -ne 0 ] && kill -0 "$run" 2>/dev/null; }
+# The first checkpoint (1.h5) says no more than that there is a job: of a run that is killed before the second nothing is resumed.
+saved() { [ -n "$(find killed/.cairn/checkpoints -name '*.h5' ! -name 1.h5 2>/dev/null)" ]; }
 begin() {
   "${job[@]}" --out killed >background.out 2>background.err &
   run=$!
+  while alive && ! saved; do sleep 0.05; done
 }
 while [ $((whole + workers)) -lt "$kills" ]; do
   alive || begin
