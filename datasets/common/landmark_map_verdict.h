@@ -19,15 +19,16 @@ Confidence ReadConfidence(const Blob& result);
 // fit, none of them by six standard deviations, no five in a row; odometry fits everywhere; ranges and
 // bearings err by at most 1.5 times what is stated; odometry's distances are within 7% of what the
 // observations say, its turns within 15%; two landmarks or more are seen both before and after any time; no
-// landmark may be more than 1 m off by its own covariance (95%). Low: a fifth do not fit, or ranges and bearings err by three times
-// what is stated, or the distances are 15% off. Chosen on simulated figures of eight; how often it is right
-// of other logs was not measured. Of landmarks without names at a distance: what the search says or the fit,
-// whichever is less, and fair at most; low where ranges or bearings err by 1.5 times and less than half of
-// the starts found the map. Of any other: what its search says, how many observations its
-// landmarks explain, whether its refinement was refused. Of a map of a log, and with options, like those on
-// which the rates were measured (search/unlike is there and empty): "high: right in 99 of 100 such
-// simulations; found from 6 of 12 starts, 57.2 nats ahead of the next different map". Of another it is not
-// known, and says in what it differs. No lead says that a better map, which was not tried, does not exist.
+// landmark may be more than 1 m off by its own covariance (95%). Low: a fifth do not fit, or ranges and
+// bearings err by three times what is stated, or the distances are 15% off. Chosen on simulated figures of
+// eight; how often it is right of other logs was not measured. Of landmarks without names at a distance: what
+// the search says or the fit, whichever is less, and fair at most; low where ranges or bearings err by 1.5
+// times and less than half of the starts found the map. Of any other: what its search says, how many
+// observations its landmarks explain, whether its refinement was refused. Of a map of a log, and with
+// options, like those on which the rates were measured (search/unlike is there and empty): "high: right in 99
+// of 100 such simulations; found from 6 of 12 starts, 57.2 nats ahead of the next different map". Of another
+// it is not known, and says in what it differs. No lead says that a better map, which was not tried, does not
+// exist.
 Verdict LandmarkMapVerdict(const Blob& result);
 
 // Why the landmarks of a map are not those of the least squares over its associations (refinement/reason):

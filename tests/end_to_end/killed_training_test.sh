@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# kill -9 at KILLS (10) moments drawn from SEED (1), of the whole run or of one of its workers; each time the same command again: in
+# kill -9 at KILLS (6) moments drawn from SEED (1), of the whole run or of one of its workers; each time the same command again: in
 # the end the same bits.
 source "$(dirname "$0")/common.sh"
-kills=${KILLS:-10}
+kills=${KILLS:-6}
 RANDOM=${SEED:-1}
 
 cairn simulate corridor --seed 3 --runs 3 --snapshots 500 corridor.h5 >/dev/null

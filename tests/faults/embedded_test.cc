@@ -1,10 +1,12 @@
 // RunEmbedded with real worker processes: what `cairn run` stands on.
 #include "coordinator/local/embedded.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -284,9 +286,10 @@ TEST_F(Embedded, ALinkThatComesInPlaceOfItsFolderInTheMiddleEndsTheRun) {
   SetOption("rounds", 200);
   const fs::path store = fs::path(options_.dir) / ".cairn", elsewhere = folder_.path() / "elsewhere";
   on_progress_ = [&](const EmbeddedProgress& progress) {
-    if (progress.info.round() < 3 || fs::exists(elsewhere)) return;
-    fs::rename(store, elsewhere);
-    fs::create_directory_symlink(elsewhere, store);
+    if (progress.info.round() < 3 || fs::exists(fs::symlink_status(elsewhere))) return;
+    // Both change places at once: between two renames there would be nothing of that name.
+    fs::create_directory_symlink(elsewhere, elsewhere);
+    ASSERT_EQ(::renameat2(AT_FDCWD, store.c_str(), AT_FDCWD, elsewhere.c_str(), RENAME_EXCHANGE), 0);
   };
   const EmbeddedResult result = Run();
   EXPECT_EQ(result.end, EmbeddedEnd::kPaused);
