@@ -64,14 +64,19 @@ function(cairn_test name)
     set(ARG_LABELS unit)
   endif()
   if(NOT CAIRN_SANITIZE)
-    gtest_discover_tests(${name} DISCOVERY_TIMEOUT 600 PROPERTIES TIMEOUT ${CAIRN_TEST_LIMIT_S} LABELS "${ARG_LABELS}")
+    set(cost 0)
+    if(ARG_LABELS STREQUAL long)
+      set(cost 100)  # first, as tests/end_to_end's
+    endif()
+    gtest_discover_tests(${name} DISCOVERY_TIMEOUT 600
+      PROPERTIES TIMEOUT ${CAIRN_TEST_LIMIT_S} LABELS "${ARG_LABELS}" COST ${cost})
     return()
   endif()
   target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/cmake/sanitizer_options.cc)
   foreach(half IN ITEMS 0 1)
     set(entry "${CAIRN_SANITIZE}: ${name}, half ${half}")
     add_test(NAME "${entry}" COMMAND ${name} --gtest_brief=1)
-    set_tests_properties("${entry}" PROPERTIES TIMEOUT ${CAIRN_TEST_LIMIT_S} LABELS "${ARG_LABELS}"
+    set_tests_properties("${entry}" PROPERTIES TIMEOUT ${CAIRN_TEST_LIMIT_S} LABELS "${ARG_LABELS}" COST 60
       ENVIRONMENT "GTEST_TOTAL_SHARDS=2;GTEST_SHARD_INDEX=${half}")
   endforeach()
 endfunction()
