@@ -137,6 +137,15 @@ std::string Padded(std::string text, std::size_t columns) {
   return has < columns ? std::move(text) + std::string(columns - has, ' ') : text;
 }
 
+std::string NameList(const std::vector<std::string>& names, std::size_t most) {
+  if (names.empty()) return "none";
+  const std::size_t shown = std::min(names.size(), most);
+  std::string text;
+  for (std::size_t i = 0; i < shown; ++i) text += (i == 0 ? "'" : ", '") + names[i] + "'";
+  if (shown < names.size()) text += " and " + std::to_string(names.size() - shown) + " more";
+  return text;
+}
+
 std::string BytesText(std::uint64_t bytes) {
   constexpr std::array kUnits = {"B", "kB", "MB", "GB", "TB"};
   auto value = static_cast<double>(bytes);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "schema/error.h"
 
@@ -44,6 +45,10 @@ std::string Printable(const std::string& text, std::size_t most_bytes);
 // For tables: the characters of UTF-8, a column each; and the text with spaces behind it, as wide at least.
 std::size_t TextColumns(std::string_view text);
 std::string Padded(std::string text, std::size_t columns);
+
+// Names in a message, some of them, for a log may have thousands: "'ann', 'bob' and 3 more"; "none" where
+// there are none.
+std::string NameList(const std::vector<std::string>& names, std::size_t most = 5);
 
 // "1.5 GB", for people.
 std::string BytesText(std::uint64_t bytes);

@@ -92,5 +92,13 @@ TEST(Printable, WhatIsNoUtf8BecomesQuestionMarks) {
   EXPECT_EQ(Printable("\xf4\x90\x80\x80", 100), "????") << "beyond the last character";
 }
 
+TEST(NameList, ShowsAHandfulAndCountsTheOthers) {
+  EXPECT_EQ(NameList({}), "none");
+  EXPECT_EQ(NameList({"ann"}), "'ann'");
+  EXPECT_EQ(NameList({"a", "b", "c", "d", "e"}), "'a', 'b', 'c', 'd', 'e'");
+  EXPECT_EQ(NameList({"a", "b", "c"}, 2), "'a', 'b' and 1 more");
+  EXPECT_EQ(NameList(std::vector<std::string>(200'000, "r")), "'r', 'r', 'r', 'r', 'r' and 199995 more");
+}
+
 }  // namespace
 }  // namespace cairn

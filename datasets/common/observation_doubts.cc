@@ -6,7 +6,7 @@
 #include <span>
 
 #include "schema/kinds/log.h"
-#include "schema/name_list.h"
+#include "schema/text.h"
 
 namespace cairn::datasets {
 namespace {

@@ -12,7 +12,7 @@
 #include "datasets/evaluate/matching/associations.h"
 #include "datasets/evaluate/track.h"
 #include "schema/kinds/provenance.h"
-#include "schema/name_list.h"
+#include "schema/text.h"
 
 namespace cairn::datasets {
 namespace {

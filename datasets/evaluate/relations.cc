@@ -9,7 +9,7 @@
 #include "datasets/common/control.h"
 #include "datasets/common/fields.h"
 #include "schema/error.h"
-#include "schema/name_list.h"
+#include "schema/text.h"
 
 namespace cairn::datasets {
 namespace {

@@ -6,7 +6,7 @@
 #include "pipelines/common/handed_over.h"
 #include "schema/error.h"
 #include "schema/kinds/kind.h"
-#include "schema/name_list.h"
+#include "schema/text.h"
 
 namespace cairn {
 namespace {

@@ -12,7 +12,7 @@
 #include "schema/error.h"
 #include "schema/kinds/grid_map.h"
 #include "schema/kinds/log.h"
-#include "schema/name_list.h"
+#include "schema/text.h"
 
 namespace cairn {
 namespace {

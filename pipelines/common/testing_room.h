@@ -1,6 +1,8 @@
 // A log of a robot that drives through a room with a box in it and scans it, for tests.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +11,7 @@
 #include <vector>
 
 #include "schema/blob.h"
+#include "schema/error.h"
 #include "schema/kinds/local_map.h"
 #include "schema/rng.h"
 
@@ -123,6 +126,20 @@ inline Blob LocalPathsOf(const Blob& log) {
   none.features = std::vector<std::int64_t>{};
   PutFields("traces/", none, &paths);
   return paths;
+}
+
+// Laid over each other they look like a map. `map`: makes one of the robots of these names, all where empty.
+template <class Map>
+void ExpectTwoFramesAreRefused(const Map& map) {
+  for (const char* both : {"", "rover,other"}) {
+    try {
+      map(both);
+      ADD_FAILURE() << both;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("'rover', 'other' have a frame each"), std::string::npos)
+          << error.what();
+    }
+  }
 }
 
 }  // namespace cairn

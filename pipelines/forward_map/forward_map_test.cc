@@ -138,15 +138,7 @@ TEST(ForwardMap, OfRobotsWithoutACommonFrameItTakesOne) {
     return RunInProcess(ForwardMap(options, 1), {{"log", std::make_shared<const Blob>(log)},
                                                  {"poses", std::make_shared<const Blob>(paths)}});
   };
-  for (const char* both : {"", "rover,other"}) {
-    try {
-      map(both);
-      FAIL() << both;
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find("'rover', 'other' have a frame each"), std::string::npos)
-          << error.what();
-    }
-  }
+  ExpectTwoFramesAreRefused(map);
   const BlobPtr chosen = map("rover"), alone = MapOf(room.Log(), At(0.1));
   for (const auto& [name, array] : alone->fields()) {
     if (name != "robots" && name != "log_hash") {
