@@ -166,6 +166,7 @@ struct Approaches {
 
 Approaches FindApproaches(const Scans& scans, const Reckoning& odometry) {
   constexpr double kStep_m = 0.3, kLongestStep_m = 0.8, kStraight_rad = 0.1;
+  constexpr double kBend_rad = 0.02;  // along a curve what is ahead need not come nearer
   Approaches all;
   const auto time_s = scans.time_s();
   for (std::size_t i = 0, j = 0; i < time_s.size(); ++i) {
@@ -175,12 +176,13 @@ Approaches FindApproaches(const Scans& scans, const Reckoning& odometry) {
         odometry.TurnedRad(time_s[j]) - odometry.TurnedRad(time_s[i]) > kStraight_rad ||
         time_s[j] - time_s[i] > kLongest_s)
       continue;
-    const double driven = Between(odometry.At(time_s[i]), odometry.At(time_s[j])).x_m;
+    const Pose moved = Between(odometry.At(time_s[i]), odometry.At(time_s[j]));
+    if (std::abs(moved.heading_rad) > kBend_rad) continue;
     for (const double sign : {1.0, -1.0}) {
       const double heading = sign > 0 ? 0 : std::numbers::pi;
       const auto before = scans.Along(i, heading), after = scans.Along(j, heading);
       if (!before || !after) continue;
-      all.driven_m.push_back(sign * driven);
+      all.driven_m.push_back(sign * moved.x_m);
       all.nearer_m.push_back(*before - *after);
     }
   }

@@ -128,6 +128,41 @@ TEST(MotionDoubts, BearingsThatAreMirroredShowWithNamesAndWithout) {
   }
 }
 
+// A robot on a circle of 4 m, a little off the middle of a round room of 6 m, with a ring of 36 beams.
+kinds::Log RoundRoom() {
+  constexpr double kRoom_m = 6, kStep_m = 0.1, kCircle_m = 4;
+  constexpr int kBeams = 36;
+  kinds::Log::Robot robot;
+  kinds::Log::RangeSensor ring;
+  std::vector<double> time_s, turn_rad, forward_m, range_m;
+  std::vector<double> headings;
+  for (int b = 0; b < kBeams; ++b) headings.push_back(2 * std::numbers::pi * b / kBeams);
+  ring.beam_heading_rad = headings;
+  ring.beam_x_m = ring.beam_y_m = std::vector<double>(kBeams, 0.0);
+  Pose pose{0.5, -kCircle_m, 0};
+  for (int i = 0; i < 1500; ++i) {
+    pose = Compose(Compose(pose, {0, 0, kStep_m / kCircle_m}), {kStep_m, 0, 0});
+    time_s.push_back(0.2 * i);
+    turn_rad.push_back(kStep_m / kCircle_m);
+    forward_m.push_back(kStep_m);
+    for (int b = 0; b < kBeams; ++b) {
+      const double heading = pose.heading_rad + 2 * std::numbers::pi * b / kBeams;
+      const double along = pose.x_m * std::cos(heading) + pose.y_m * std::sin(heading);
+      range_m.push_back(
+          -along + std::sqrt(along * along + kRoom_m * kRoom_m - pose.x_m * pose.x_m - pose.y_m * pose.y_m));
+    }
+  }
+  ring.time_s = time_s;
+  ring.range_m = range_m;
+  robot.odometry = {time_s, turn_rad, forward_m};
+  robot.sensors.push_back(ring);
+  return OfOneRobot(robot);
+}
+
+TEST(MotionDoubts, AlongACurveWhatIsAheadNeedNotComeNearer) {
+  EXPECT_EQ(All(FindMotionDoubts(RoundRoom())), "");
+}
+
 // In bends to either side, by odometry whose heading drifts, among a lattice of poles.
 kinds::Log Slalom(double drift_rad_per_m, double delay_s, double noise_rad_per_sqrt_m, std::uint64_t seed) {
   constexpr double kReach_m = 8, kStep_s = 0.1, kStep_m = 0.1;
