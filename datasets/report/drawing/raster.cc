@@ -199,19 +199,31 @@ class Painter {
     if (box.empty()) return;
     const cv::Mat cells(static_cast<int>(shape.raster.rows), static_cast<int>(shape.raster.columns),
                         CV_8UC(channels), const_cast<std::uint8_t*>(shape.raster.pixels.data()));
-    cv::Mat scaled;
-    cv::resize(cells, scaled, whole.size(), 0, 0,
-               whole.width < cells.cols ? cv::INTER_AREA : cv::INTER_NEAREST);
-    for (int y = box.y; y < box.br().y; ++y) {
-      const std::uint8_t* from =
-          scaled.ptr(y - whole.y) + static_cast<std::ptrdiff_t>(channels) * (box.x - whole.x);
-      std::uint8_t* to = image_.ptr(y) + static_cast<std::ptrdiff_t>(3) * box.x;
-      for (int x = 0; x < box.width; ++x, from += channels, to += 3) {
-        const int opaque = channels == 4 ? from[3] : 255;
-        for (int c = 0; c < 3; ++c)
-          to[c] = static_cast<std::uint8_t>((opaque * from[c] + (255 - opaque) * to[c] + 127) / 255);
-      }
+    if (whole.width < cells.cols) {
+      cv::Mat smaller;
+      cv::resize(cells, smaller, whole.size(), 0, 0, cv::INTER_AREA);
+      for (int y = box.y; y < box.br().y; ++y)
+        for (int x = box.x; x < box.br().x; ++x)
+          Cover({x, y}, smaller.ptr(y - whole.y, x - whole.x), channels);
+      return;
     }
+    // Enlarged, all of it may be far larger than what is seen: cell by cell.
+    const auto cell = [](int pixel, int pixels, int cells) {
+      return static_cast<int>(std::min<std::int64_t>(std::int64_t{pixel} * cells / pixels, cells - 1));
+    };
+    for (int y = box.y; y < box.br().y; ++y) {
+      const int row = cell(y - whole.y, whole.height, cells.rows);
+      for (int x = box.x; x < box.br().x; ++x)
+        Cover({x, y}, cells.ptr(row, cell(x - whole.x, whole.width, cells.cols)), channels);
+    }
+  }
+
+  // A pixel of the image by one of a raster, as far as that is opaque.
+  void Cover(cv::Point at, const std::uint8_t* from, int channels) {
+    std::uint8_t* to = image_.ptr(at.y, at.x);
+    const int opaque = channels == 4 ? from[3] : 255;
+    for (int c = 0; c < 3; ++c)
+      to[c] = static_cast<std::uint8_t>((opaque * from[c] + (255 - opaque) * to[c] + 127) / 255);
   }
 
   double scale_;
