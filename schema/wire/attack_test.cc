@@ -1,9 +1,14 @@
 // Attacks by those whose key is on the list, and by whoever sits on the line to one of them.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 #include <zmq.hpp>
 
@@ -58,6 +63,43 @@ TEST_F(Attack, WhoeverShakesHandsAndSaysNothingIsTurnedAway) {
   EXPECT_NE(reasons_[RefusalKind::kConnections].find("said nothing"), std::string::npos);
   EXPECT_TRUE(Until([&] { return router_->connections() == 0; }));
   ExpectService();
+}
+
+// A stranger whose own descriptor is none of the lowest, which are left to who accepts.
+RawTcp HighUp(int port) {
+  constexpr int kHigh = 200;
+  const int low = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const int fd = ::fcntl(low, F_DUPFD_CLOEXEC, kHigh);
+  ::close(low);
+  const sockaddr_in address = RawTcp::Loopback(port);
+  return {fd, ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0};
+}
+
+// A worker's word waits to be taken, the worker is gone, and its descriptor is that of a stranger who has not
+// shaken hands.
+TEST_F(Attack, AStrangerIsNotCountedAsTheWorkerWhoseDescriptorItHas) {
+  options_.handshake_ms = 10 * kAttackPatience_ms;  // so that it is not what ends the strangers
+  options_.connections.first_word_ms = 2'000;
+  Listen();
+  {
+    zmq::socket_t worker = Wicked(honest_, router_->endpoint());
+    ASSERT_TRUE(Send(worker, Hello("worker").envelope.SerializeAsString()));
+    Poller poller;
+    poller.Add(*router_);
+    ASSERT_TRUE(poller.Wait(std::chrono::milliseconds(kAttackPatience_ms)));
+  }
+  const auto until_connections = [&](std::size_t count) {
+    for (int waited_ms = 0; waited_ms < kAttackPatience_ms && router_->connections() != count; ++waited_ms)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return router_->connections() == count;
+  };
+  ASSERT_TRUE(until_connections(0));
+  std::vector<RawTcp> strangers;
+  for (int i = 0; i < 8; ++i) strangers.push_back(HighUp(Port()));  // so that one of them gets the worker's
+  ASSERT_TRUE(until_connections(8));
+  ASSERT_TRUE(Until([&] { return Heard("worker"); }));
+  EXPECT_TRUE(UntilRefused(RefusalKind::kConnections, 8));
+  for (const RawTcp& stranger : strangers) EXPECT_TRUE(stranger.IsEnded(kAttackPatience_ms));
 }
 
 TEST_F(Attack, ASessionThatIsPlayedAgainSaysNothing) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdlib>
 #include <numeric>
 #include <utility>
 
@@ -19,6 +20,11 @@ int Descriptor(const zmq::message_t& frame) {
 std::string UserId(const zmq::message_t& frame) {
   const char* id = zmq_msg_gets(frame.handle(), "User-Id");
   return id == nullptr ? "" : id;
+}
+
+std::uint64_t Handshake(const zmq::message_t& frame) {
+  const char* number = zmq_msg_gets(frame.handle(), kHandshakeProperty);
+  return number == nullptr ? 0 : std::strtoull(number, nullptr, 10);
 }
 
 }  // namespace
@@ -141,10 +147,11 @@ std::optional<Received> RouterSocket::TryReceive() {
     if (frames.empty()) return std::nullopt;
     const std::size_t bytes = std::accumulate(frames.begin(), frames.end(), std::size_t{0},
                                               [](std::size_t sum, const auto& f) { return sum + f.size(); });
-    const bool place = impl_->authenticator->TellTaken(Descriptor(frames.back()), UserId(frames.back()),
-                                                       bytes, frames.size());
+    const zmq::message_t& last = frames.back();
+    const bool place = impl_->authenticator->TellTaken(Descriptor(last), Handshake(last), UserId(last), bytes,
+                                                       frames.size());
     if (!place) {
-      impl_->Remember(frames[0].to_string(), Descriptor(frames.back()));
+      impl_->Remember(frames[0].to_string(), Descriptor(last));
       impl_->Drop(frames[0].to_string());
     }
     if (!impl_->dropped.contains(frames[0].to_string())) return impl_->Receive(std::move(frames));

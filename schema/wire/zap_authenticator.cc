@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <string_view>
 #include <utility>
 
 #include "schema/wire/connection.h"
@@ -35,6 +36,14 @@ std::string Z85(const zmq::message_t& key) {
   if (key.size() != 32) return "";
   zmq_z85_encode(text.data(), key.data<std::uint8_t>(), key.size());
   return text.data();
+}
+
+// One property, as ZMTP writes its metadata (rfc.zeromq.org/spec/23).
+std::string Metadata(std::string_view name, std::string_view value) {
+  std::string bytes(1, static_cast<char>(name.size()));
+  bytes += name;
+  for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>(value.size() >> shift & 0xff);
+  return bytes.append(value);
 }
 
 }  // namespace
@@ -83,7 +92,7 @@ void ZapAuthenticator::Loop() {
                                           {nullptr, wakeup_.descriptor(), ZMQ_POLLIN, 0}};
     if (allow_list_) items.push_back({zap_.handle(), 0, ZMQ_POLLIN, 0});
     zmq_poll(items.data(), static_cast<int>(items.size()), kLookEvery.count());
-    while (const std::optional<Monitor::Event> event = monitor_.Next()) OnEvent(*event);
+    TakeEvents();
     if (allow_list_) AnswerZap();
     if (const auto now = std::chrono::steady_clock::now(); now - looked >= kLookEvery) {
       looked = now;
@@ -93,12 +102,17 @@ void ZapAuthenticator::Loop() {
   }
 }
 
+void ZapAuthenticator::TakeEvents() {
+  while (const std::optional<Monitor::Event> event = monitor_.Next()) OnEvent(*event);
+}
+
 // A request is: version, request id, domain, address, routing id, mechanism, credentials (CURVE: the client's
 // key).
 void ZapAuthenticator::AnswerZap() {
   while (true) {
     const std::vector<zmq::message_t> request = ReceiveFrames(zap_, {});
     if (request.empty()) return;
+    TakeEvents();  // so that its connection, whichever it is, has been accepted before this handshake
     const std::string id = request.size() > 1 ? request[1].to_string() : "";
     const bool curve = request.size() == 7 && request[5].to_string_view() == "CURVE";
     const std::string key = curve ? Z85(request[6]) : "";
@@ -117,7 +131,12 @@ void ZapAuthenticator::AnswerZap() {
     // 300: not now. Its side takes that for a handshake that was broken off, and tries again later.
     const std::string code = !too_many.empty() ? "300" : allowed != nullptr ? "200" : "400";
     const std::array<std::string, 6> reply = {
-        "1.0", id, code, code == "400" ? "key not allowed" : "", code == "200" ? key : "", ""};
+        "1.0",
+        id,
+        code,
+        code == "400" ? "key not allowed" : "",
+        code == "200" ? key : "",
+        code == "200" ? Metadata(kHandshakeProperty, std::to_string(++last_number_)) : ""};
     for (std::size_t i = 0; i < reply.size(); ++i) {
       zap_.send(zmq::buffer(reply[i]),
                 i + 1 < reply.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
@@ -208,7 +227,12 @@ void ZapAuthenticator::OnAccepted(int fd) {
 
 void ZapAuthenticator::Enter(int fd, const std::string& address) {
   Leave(fd);
-  open_[fd] = {.address = address, .since_s = Now(), .taken_bytes = 0, .kind = Kind::kNewcomer, .user = {}};
+  open_[fd] = {.number = ++last_number_,
+               .address = address,
+               .since_s = Now(),
+               .taken_bytes = 0,
+               .kind = Kind::kNewcomer,
+               .user = {}};
   open_count_ = open_.size();
   ++kinds_[Kind::kNewcomer];
   ++newcomers_[address];
@@ -265,12 +289,14 @@ std::string ZapAuthenticator::NoteHandshake(const std::string& key, const Allowe
   return "the key " + ShortKey(key) + " connects too often";
 }
 
-bool ZapAuthenticator::TellTaken(int fd, const std::string& user, std::size_t bytes, std::size_t frames) {
+bool ZapAuthenticator::TellTaken(int fd, std::uint64_t handshake, const std::string& user, std::size_t bytes,
+                                 std::size_t frames) {
   std::string why;
   {
     const std::lock_guard lock(mutex_);
     const auto it = open_.find(fd);
-    if (it == open_.end()) return true;
+    // A connection that was accepted after the handshake has the descriptor of one that is gone.
+    if (it == open_.end() || (allow_list_ && it->second.number > handshake)) return true;
     Connection& connection = it->second;
     connection.taken_bytes += bytes + frames * kFrameOverhead;
     const auto guest = guests_.find(user);

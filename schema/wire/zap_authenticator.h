@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -20,6 +21,10 @@
 #include "schema/wire/refusal.h"
 
 namespace cairn::wire {
+
+// The metadata by which each message says after which handshake it came; the ZAP authenticator's, and no peer
+// can say another.
+inline constexpr const char* kHandshakeProperty = "X-Cairn-Handshake";
 
 // So many at once, then so many a second.
 class Bucket {
@@ -44,9 +49,12 @@ class ZapAuthenticator {
 
   // Once `router` is bound, to `endpoint`.
   void Start(std::string endpoint);
-  // A message of so many bytes and frames was taken from this connection, which has the key `user` (none:
-  // empty). False where it is one too many of its key or of its kind.
-  bool TellTaken(int fd, const std::string& user, std::size_t bytes, std::size_t frames);
+  // A message of so many bytes and frames was taken that came over this descriptor, after the handshake that
+  // kHandshakeProperty numbers, from who has the key `user` (without keys: 0 and empty). Messages outlive
+  // their connection: where the descriptor is another's by now, nothing is counted. False where the
+  // connection is one too many of its key or of its kind.
+  bool TellTaken(int fd, std::uint64_t handshake, const std::string& user, std::size_t bytes,
+                 std::size_t frames);
   // Since the last call, by kind.
   std::vector<Refusal> TakeRefusals();
   std::size_t connections() const { return open_count_; }
@@ -54,6 +62,7 @@ class ZapAuthenticator {
  private:
   enum class Kind { kNewcomer, kWorker, kSubmitter, kViewer };
   struct Connection {
+    std::uint64_t number = 0;  // in the order of what happens: of its handshake it is higher
     std::string address;
     double since_s = 0;
     std::uint64_t taken_bytes = 0;
@@ -68,6 +77,7 @@ class ZapAuthenticator {
     std::size_t connections = 0;
   };
   void Loop();
+  void TakeEvents();
   void AnswerZap();
   void OnEvent(const Monitor::Event& event);
   void OnDisconnected(int fd);
@@ -94,6 +104,7 @@ class ZapAuthenticator {
   std::map<std::string, Bucket> buckets_;  // by address
   std::atomic<std::size_t> open_count_{0};
   std::mutex mutex_;
+  std::uint64_t last_number_ = 0;                 // of a connection or a handshake
   std::map<int, Connection> open_;                // by descriptor; guarded by mutex_, as all that follows
   std::map<std::string, Guest> guests_;           // by key
   std::map<Kind, std::size_t> kinds_;             // connections, in all …
