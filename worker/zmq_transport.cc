@@ -9,7 +9,17 @@ namespace {
 
 // At most this many messages a call, so that heartbeats go out whatever comes in.
 constexpr int kMessagesAtOnce = 256;
+// And of messages with blobs no more than make so many bytes, or one that is larger: the others wait where
+// the socket limits them.
+constexpr std::size_t kBytesAtOnce = std::size_t{64} << 20;
 constexpr double kLongestPoll_s = 60;
+
+std::size_t BytesIn(const wire::Message& message) {
+  std::size_t bytes = 0;
+  for (const wire::NamedBlob& named : message.blobs)
+    for (const auto& [name, array] : named.blob->fields()) bytes += array.bytes().size();
+  return bytes;
+}
 
 Event::Kind KindOf(wire::LinkEvent event) {
   switch (event) {
@@ -41,10 +51,12 @@ std::vector<Event> ZmqTransport::Poll(double timeout_s) {
   while (const std::optional<wire::LinkEvent> event = socket_.TryEvent()) {
     events.push_back({.kind = KindOf(*event), .message = {}, .text = {}});
   }
-  for (int i = 0; i < kMessagesAtOnce; ++i) {
+  std::size_t bytes = 0;
+  for (int i = 0; i < kMessagesAtOnce && bytes < kBytesAtOnce; ++i) {
     std::optional<wire::Received> received = socket_.TryReceive();
     if (!received) break;
     const bool ok = received->status.ok();
+    bytes += BytesIn(received->message);
     events.push_back({.kind = ok ? Event::kMessage : Event::kMalformed,
                       .message = std::move(received->message),
                       .text = received->status.message()});

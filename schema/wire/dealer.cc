@@ -3,6 +3,7 @@
 
 #include "schema/wire/endpoint.h"
 #include "schema/wire/socket_impl.h"
+#include "schema/wire/system_calls.h"
 
 namespace cairn::wire {
 namespace {
@@ -10,6 +11,15 @@ namespace {
 constexpr int kConnectionEvents = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED |
                                   ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
                                   ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
+
+// At least what CURVE and ZMTP add to a frame.
+constexpr std::size_t kAddedToAFrame = 64;
+
+// What may wait to be taken: the largest message that may come, and a little more.
+std::uint64_t MostUnread(const Limits& limits) {
+  constexpr std::uint64_t kLittle = 1 << 20;
+  return std::max(limits.envelope_bytes, limits.message_bytes) + limits.frames * kAddedToAFrame + kLittle;
+}
 
 // What the ZAP handler of a service says of a key that it does not know (rfc.zeromq.org/spec/27).
 constexpr std::uint32_t kZapRefused = 400;
@@ -32,6 +42,9 @@ Status DealerSocket::Impl::Open() {
   try {
     socket = zmq::socket_t(context->zmq, zmq::socket_type::dealer);
     SetCommonOptions(socket, options);
+    // As of the ROUTER's, no queue is full by the number of its messages; their bytes are limited.
+    socket.set(zmq::sockopt::rcvhwm, 0);
+    LimitUnread(MostUnread(options.limits));
     // Only a connection that stands gets messages: none waits in a queue to reach the coordinator before
     // Hello does.
     socket.set(zmq::sockopt::immediate, true);
@@ -114,8 +127,11 @@ std::optional<LinkEvent> DealerSocket::TryEvent() {
 }
 
 std::optional<Received> DealerSocket::TryReceive() {
-  const std::vector<zmq::message_t> frames = ReceiveFrames(impl_->socket, impl_->options.limits);
+  std::vector<zmq::message_t> frames = ReceiveFrames(impl_->socket, impl_->options.limits);
   if (frames.empty()) return std::nullopt;
+  std::uint64_t bytes = 0;
+  for (const zmq::message_t& frame : frames) bytes += frame.size() + kAddedToAFrame;
+  NoteTaken(zmq_msg_get(frames.back().handle(), ZMQ_SRCFD), bytes);
   Received received;
   Result<Message> message = DecodeFrames(frames, impl_->options.limits);
   if (message.ok()) {

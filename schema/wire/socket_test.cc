@@ -68,6 +68,36 @@ TEST(Socket, WhatAPeerDoesNotReadHasABound) {
   peer.set(zmq::sockopt::linger, 0);
 }
 
+// Nor does a dealer that is busy keep more than that of what comes, whoever sends it; it has all in the end.
+TEST(Socket, WhatADealerDoesNotTakeHasABound) {
+  SocketOptions options = Quick();
+  options.limits.envelope_bytes = options.limits.message_bytes = 2 << 20;
+  options.limits.frames = 100;
+  PrivateFolder folder;
+  Context here;
+  const Context there;
+  RouterSocket router = RouterSocket::Bind(here, folder.Ipc("s"), {}, options).value();
+  DealerSocket dealer = DealerSocket::Connect(there, folder.Ipc("s"), {}, options).value();
+  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
+  ASSERT_TRUE(dealer.Send(HelloMessage("here")).ok());
+  const std::optional<Received> hello = AwaitMessage(router);
+  ASSERT_TRUE(hello);
+  constexpr int kMessages = 64;
+  constexpr std::size_t kDoubles = 1 << 17;  // 1 MB
+  for (int i = 0; i < kMessages; ++i) ASSERT_TRUE(router.Send(hello->peer, BlobMessage(kDoubles)).ok());
+  for (int waited_ms = 0; waited_ms < 2000 && router.Unsent(hello->peer) > 0; waited_ms += 10)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_GT(router.Unsent(hello->peer), kMessages * 1'000'000U / 2);
+  for (int i = 0; i < kMessages; ++i) {
+    const std::optional<Received> received = AwaitMessage(dealer);
+    ASSERT_TRUE(received && received->status.ok()) << i;
+    EXPECT_EQ(received->message.blobs.size(), 1U);
+  }
+  for (int waited_ms = 0; waited_ms < 20'000 && router.Unsent(hello->peer) > 0; waited_ms += 10)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(router.Unsent(hello->peer), 0U);
+}
+
 TEST(Socket, ADealerLeavesAConnectionThroughWhichNothingComes) {
   SocketOptions options = Quick();
   options.keepalive_ms = 50;

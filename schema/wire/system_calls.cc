@@ -92,6 +92,14 @@ std::atomic<std::size_t> g_pending_count{0};  // so that others need not wait fo
 
 auto& g_read_to_the_end = *new std::unordered_set<int>;
 
+// A connection that this process made.
+struct Made {
+  std::uint64_t most_unread = 0, unread = 0;
+};
+auto& g_made = *new std::unordered_map<int, Made>;  // by descriptor
+std::atomic<std::uint64_t> g_most_unread{0};        // 0: any number
+std::atomic<std::size_t> g_made_count{0};
+
 ino_t SocketNumber(int fd) {
   struct stat info{};
   return ::fstat(fd, &info) == 0 ? info.st_ino : 0;
@@ -100,8 +108,30 @@ ino_t SocketNumber(int fd) {
 void Watch(int fd) {
   const std::lock_guard lock(g_mutex);
   g_read_to_the_end.erase(fd);  // another's, which had the number before
+  g_made.erase(fd);
+  g_made_count = g_made.size();
   g_pending_handshakes[fd] = {.socket = SocketNumber(fd), .came = {}, .went = {}};
   g_pending_count = g_pending_handshakes.size();
+}
+
+void LimitMade(int fd) {
+  const std::lock_guard lock(g_mutex);
+  g_made.erase(fd);
+  if (g_most_unread > 0) g_made[fd] = {.most_unread = g_most_unread, .unread = 0};
+  g_made_count = g_made.size();
+}
+
+bool IsFull(int fd) {
+  if (g_made_count == 0) return false;
+  const std::lock_guard lock(g_mutex);
+  const auto it = g_made.find(fd);
+  return it != g_made.end() && it->second.unread >= it->second.most_unread;
+}
+
+void NoteCame(int fd, std::uint64_t bytes) {
+  if (g_made_count == 0) return;
+  const std::lock_guard lock(g_mutex);
+  if (const auto it = g_made.find(fd); it != g_made.end()) it->second.unread += bytes;
 }
 
 bool IsStream(int fd) {
@@ -148,6 +178,14 @@ bool Note(int fd, HandshakeBytes PendingHandshake::* direction, std::span<const 
 
 void SpareDescriptors(std::size_t spare) { g_spare = spare; }
 
+void LimitUnread(std::uint64_t bytes) { g_most_unread = bytes; }
+
+void NoteTaken(int fd, std::uint64_t bytes) {
+  const std::lock_guard lock(g_mutex);
+  if (const auto it = g_made.find(fd); it != g_made.end())
+    it->second.unread -= std::min(it->second.unread, bytes);
+}
+
 bool TakeEndOf(int fd) {
   const std::lock_guard lock(g_mutex);
   return g_read_to_the_end.erase(fd) > 0;
@@ -175,19 +213,29 @@ extern "C" int accept4(int listener, sockaddr* address, socklen_t* length, int f
 }
 
 extern "C" int connect(int fd, const sockaddr* address, socklen_t length) {
-  if (cairn::wire::IsStream(fd)) cairn::wire::Watch(fd);
+  if (cairn::wire::IsStream(fd)) {
+    cairn::wire::Watch(fd);
+    cairn::wire::LimitMade(fd);
+  }
   return static_cast<int>(::syscall(SYS_connect, fd, address, length));
 }
 
 extern "C" ssize_t recv(int fd, void* buffer, std::size_t size, int flags) {
   const bool watched = cairn::wire::IsWatched(fd) && (flags & MSG_PEEK) == 0;
   if (watched) size = std::min(size, cairn::wire::kMostHandshakeBytes);
+  if (cairn::wire::IsFull(fd)) {
+    ::usleep(
+        cairn::wire::kPause_us);  // ZeroMQ's thread, which looks again at once, sends what there is to send
+    errno = EAGAIN;
+    return -1;
+  }
   const ssize_t got = ::syscall(SYS_recvfrom, fd, buffer, size, flags, nullptr, nullptr);
   if ((got == 0 && size > 0) || (got < 0 && errno != EAGAIN && errno != EINTR)) {
     const int error = errno;
     cairn::wire::NoteEnd(fd);
     errno = error;
   }
+  if (got > 0 && (flags & MSG_PEEK) == 0) cairn::wire::NoteCame(fd, static_cast<std::uint64_t>(got));
   if (!watched || got <= 0) return got;
   const std::span bytes(static_cast<const unsigned char*>(buffer), static_cast<std::size_t>(got));
   if (cairn::wire::Note(fd, &cairn::wire::PendingHandshake::came, bytes)) return got;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace cairn::wire {
 
@@ -16,6 +17,15 @@ void SpareDescriptors(std::size_t spare);
 // bytes and two commands, of 202 and at most 700 bytes (rfc.zeromq.org/spec/26). ZeroMQ 4.3.4 would take a
 // frame of any size that a message may have from whoever knocks, and keep what comes of it.
 constexpr std::size_t kMostHandshakeBytes = 4096;
+
+// Over a connection that is made from now on nothing more is read while so many bytes of it, or more, wait to
+// be taken: what this process connects to cannot fill its memory, and has to wait. A message that is larger
+// could never be taken. ZeroMQ's own limit counts messages, and one that it stops at ends the process
+// (dealer.cc).
+void LimitUnread(std::uint64_t bytes);
+// Who knows says that so many bytes of a message that came over `fd` were taken. Where it is another's
+// connection by now, that one may bring as much more.
+void NoteTaken(int fd, std::uint64_t bytes);
 
 // True, once, of a connection that was read to its end, or until it failed: then its peer ended it, or the
 // network, or ShutDownConnection, and not ZeroMQ over what came.
