@@ -17,7 +17,7 @@ constexpr double kCleaning_s = 600;  // it reads every checkpoint
 constexpr double kSlowestBytesPerS = 1e6;
 constexpr std::uint64_t kPieceBytes = 1'000'000;  // no more at a time: a message of less than a MiB
 constexpr int kMostUnkept = 3;                    // submissions in turn after which inputs are missing
-constexpr int kMostBroken = 5;                    // uploads that are begun again
+constexpr int kMostBroken = 5;                    // uploads that are begun again, answers asked for again
 
 std::chrono::milliseconds Left(Clock::time_point end) {
   const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
@@ -26,6 +26,16 @@ std::chrono::milliseconds Left(Clock::time_point end) {
 
 Clock::time_point After(double seconds) {
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+// Waits, and says for how much longer than that this process was stopped meanwhile: a time in which nobody
+// could have answered.
+Clock::duration WaitedTooLong(wire::Poller& poller, std::chrono::milliseconds time) {
+  constexpr Clock::duration kSurelyStopped = std::chrono::seconds(1);
+  const Clock::time_point begin = Clock::now();
+  poller.Wait(time);
+  const Clock::duration more = Clock::now() - begin - time;
+  return more > kSurelyStopped ? more : Clock::duration(0);
 }
 
 class BytesInMemory : public InputBytes {
@@ -136,8 +146,8 @@ Result<Client> Client::Connect(const ClientOptions& options) {
   return Client(options, std::move(socket).value());
 }
 
-Result<wire::Message> Client::Ask(wire::Message question, double timeout_s) {
-  Result<wire::Message> answer = AskOnce(std::move(question), timeout_s);
+Result<wire::Message> Client::Ask(wire::Message question, double timeout_s, int repeats) {
+  Result<wire::Message> answer = AskOnce(question, timeout_s, repeats);
   const Code code = answer.status().code();
   if (code == Code::kOk || (code == Code::kRefused && answered_)) return answer;
   // An answer that comes late must not be taken for that to the next question.
@@ -145,32 +155,38 @@ Result<wire::Message> Client::Ask(wire::Message question, double timeout_s) {
   return answer;
 }
 
-Result<wire::Message> Client::AskOnce(wire::Message question, double timeout_s) {
-  const Clock::time_point end = After(timeout_s);
+Result<wire::Message> Client::AskOnce(const wire::Message& question, double timeout_s, int repeats) {
+  Clock::time_point end = After(timeout_s);
   wire::Poller poller;
   poller.Add(socket_);
   answered_ = false;
-  bool sent = false, broken = false;
+  bool sent = false, broken = false, lost = false;
   while (true) {
     while (const std::optional<wire::LinkEvent> event = socket_.TryEvent()) {
       if (*event == wire::LinkEvent::kKeyRefused)
         return Status(Code::kRefused, "the service does not know this key");
       broken |= *event == wire::LinkEvent::kHandshakeFailed;
-      if (*event == wire::LinkEvent::kDisconnected && sent) {
-        return Status(Code::kIo, "the service at " + options_.endpoint + " went away before it answered");
-      }
+      if (*event != wire::LinkEvent::kDisconnected || !sent) continue;
+      lost = true;
+      sent = false;
+      end = repeats-- > 0 ? After(options_.timeout_s) : Clock::now();
     }
-    if (!sent) sent = socket_.Send(question).ok();
+    if (!sent && (!lost || Clock::now() < end) && (sent = socket_.Send(question).ok()) && lost)
+      end = After(timeout_s);
     if (std::optional<wire::Received> received = socket_.TryReceive()) {
       const bool late_credit = received->message.envelope.has_credit();  // for an upload that is over
       if (late_credit && Clock::now() < end) continue;
       if (!late_credit) {
         answered_ = received->status.ok();
+        // Asked twice, it may be answered twice.
+        if (lost)
+          if (const Status again = socket_.Reconnect(); !again.ok()) return again;
         return Judge(std::move(*received));
       }
     }
     if (Clock::now() >= end) {
       const std::string service = "the service at " + options_.endpoint;
+      if (lost && !sent) return Status(Code::kIo, service + " went away before it answered");
       if (!sent && broken)
         return Status(Code::kIo, service +
                                      " breaks off each connection before it is secured: is the server key "
@@ -179,7 +195,7 @@ Result<wire::Message> Client::AskOnce(wire::Message question, double timeout_s) 
                     sent ? service + " does not answer" : "no service listens at " + options_.endpoint);
     }
     // Unsent, the connection may be there before its event is: look again soon.
-    poller.Wait(sent ? Left(end) : std::min(Left(end), std::chrono::milliseconds(20)));
+    end += WaitedTooLong(poller, sent ? Left(end) : std::min(Left(end), std::chrono::milliseconds(20)));
   }
 }
 
@@ -267,15 +283,16 @@ Status Client::Upload(const Input& input) {
       continue;
     }
     if (Clock::now() >= end) return {Code::kIo, "the service at " + options_.endpoint + " does not answer"};
-    poller.Wait(next ? std::min(Left(end), std::chrono::milliseconds(5)) : Left(end));
+    end += WaitedTooLong(poller, next ? std::min(Left(end), std::chrono::milliseconds(5)) : Left(end));
   }
 }
 
-Result<wire::Message> Client::Query(const std::string& job, const std::string& action, double timeout_s) {
+Result<wire::Message> Client::Query(const std::string& job, const std::string& action, double timeout_s,
+                                    int repeats) {
   wire::Message question;
   question.envelope.mutable_query()->set_job(job);
   question.envelope.mutable_query()->set_action(action);
-  return Ask(std::move(question), timeout_s);
+  return Ask(std::move(question), timeout_s, repeats);
 }
 
 Result<wire::JobInfo> Client::Command(const std::string& job, const std::string& action, int priority) {
@@ -338,16 +355,20 @@ Result<wire::Reply> Client::Clean(bool damaged, bool dry_run) {
 
 Result<wire::JobInfo> Client::Info(const std::string& job) { return Command(job, "status"); }
 
-Result<std::map<std::string, BlobPtr>> Client::Results(const std::string& job) {
+Result<std::map<std::string, BlobPtr>> Client::Results(const std::string& job, ResultsFacts* facts) {
   if (job.empty()) return Status(Code::kNotFound, "which job?");
   // A service that does not answer at all is not waited for as one that sends much.
-  if (const Result<wire::JobInfo> info = Info(job); !info.ok()) return info.status();
+  const Result<wire::Message> status = Query(job, "status", options_.timeout_s, kMostBroken);
+  if (const Result<wire::JobInfo> info = OnlyJob(status, job); !info.ok()) return info.status();
   // How much will come is not known before: as for a gigabyte.
-  Result<wire::Message> answer = Query(job, "results", options_.timeout_s + 1e9 / kSlowestBytesPerS);
+  Result<wire::Message> answer =
+      Query(job, "results", options_.timeout_s + 1e9 / kSlowestBytesPerS, kMostBroken);
   if (!answer.ok()) return answer.status();
   const wire::Reply& reply = answer.value().envelope.reply();
-  // A stage whose file cannot be read any more.
-  if (!reply.message().empty()) return Status(Code::kCorrupt, reply.message());
+  if (facts != nullptr)
+    *facts = {reply.jobs().empty() ? wire::JobInfo() : reply.jobs(0), reply.message()};
+  else if (!reply.message().empty())
+    return Status(Code::kCorrupt, reply.message());
   const std::vector<wire::NamedBlob>& blobs = answer.value().blobs;
   if (static_cast<std::size_t>(reply.names_size()) != blobs.size()) {
     return Status(Code::kCorrupt, "the service names " + std::to_string(reply.names_size()) +

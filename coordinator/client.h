@@ -59,6 +59,12 @@ struct Input {
 };
 Input InputInMemory(BlobPtr blob);
 
+// What there is to say of a job's results.
+struct ResultsFacts {
+  wire::JobInfo job;    // as it stands
+  std::string damaged;  // why stages that are done are not among them; empty: none is missing
+};
+
 // Every call asks once and waits for the answer. After a failure the next call starts on a new connection.
 // For one thread.
 // kIo: nobody answers at the endpoint.
@@ -90,17 +96,21 @@ class Client {
   Result<std::vector<wire::WorkerInfo>> Drain(std::uint64_t worker);
   // Reply.cleaned says what went, or would; Reply.message why that is not all.
   Result<wire::Reply> Clean(bool damaged, bool dry_run);
-  // Of the stages that are done, by their names.
-  Result<std::map<std::string, BlobPtr>> Results(const std::string& job);
+  // Of the stages that are done, by their names; asked for again where the connection is lost before they are
+  // here. kCorrupt: one cannot be read; where `facts` are asked for that
+  // is said there, beside those that can.
+  Result<std::map<std::string, BlobPtr>> Results(const std::string& job, ResultsFacts* facts = nullptr);
 
  private:
   Result<std::vector<wire::WorkerInfo>> AskOfWorkers(const std::string& action, std::uint64_t worker);
   explicit Client(ClientOptions options, wire::DealerSocket socket);
-  Result<wire::Message> Ask(wire::Message question, double timeout_s);
+  // `repeats`: how often it may ask again on another connection.
+  Result<wire::Message> Ask(wire::Message question, double timeout_s, int repeats = 0);
   // kBusy: it has to begin again.
   Status Upload(const Input& input);
-  Result<wire::Message> AskOnce(wire::Message question, double timeout_s);
-  Result<wire::Message> Query(const std::string& job, const std::string& action, double timeout_s);
+  Result<wire::Message> AskOnce(const wire::Message& question, double timeout_s, int repeats);
+  Result<wire::Message> Query(const std::string& job, const std::string& action, double timeout_s,
+                              int repeats = 0);
 
   ClientOptions options_;
   wire::DealerSocket socket_;

@@ -17,6 +17,12 @@ namespace {
 class FakeService {
  public:
   using Answer = std::function<std::optional<wire::Message>(const wire::Message&)>;
+  // A question whose answer this is costs its connection.
+  static wire::Message Dropped() {
+    wire::Message message;
+    message.envelope.mutable_leave();
+    return message;
+  }
   FakeService(const std::string& endpoint, Answer answer)
       : socket_(wire::RouterSocket::Bind(context_, endpoint).value()),
         thread_([this, answer] { Serve(answer); }) {}
@@ -35,7 +41,10 @@ class FakeService {
       poller.Wait(std::chrono::seconds(10));
       while (const std::optional<wire::Received> received = socket_.TryReceive()) {
         if (const std::optional<wire::Message> reply = answer(received->message)) {
-          EXPECT_TRUE(socket_.Send(received->peer, *reply).ok());
+          if (reply->envelope.has_leave())
+            socket_.Drop(received->peer);
+          else
+            EXPECT_TRUE(socket_.Send(received->peer, *reply).ok());
         }
       }
     }
@@ -309,6 +318,52 @@ TEST_F(ClientTest, AResultThatTheServiceCannotReadIsNotLeftOutInSilence) {
   const Status status = Connect().Results("j").status();
   EXPECT_EQ(status.code(), Code::kCorrupt);
   EXPECT_EQ(status.message(), "landmarks.h5: wrong checksum");
+}
+
+TEST_F(ClientTest, WhoAsksForTheFactsGetsTheResultsThatCanBeRead) {
+  FakeService service(folder_.Ipc("s"), [](const wire::Message&) {
+    wire::Message reply = Ok();
+    reply.envelope.mutable_reply()->add_jobs()->set_id("j");
+    reply.envelope.mutable_reply()->mutable_jobs(0)->set_state("cancelled");
+    reply.envelope.mutable_reply()->set_message("the stage 'landmarks': wrong checksum");
+    reply.blobs = {wire::NameBlob(Number(2))};
+    reply.envelope.mutable_reply()->add_names("grid");
+    return reply;
+  });
+  ResultsFacts facts;
+  const auto results = Connect().Results("j", &facts);
+  ASSERT_TRUE(results.ok()) << results.status().message();
+  EXPECT_EQ(results.value().at("grid")->Scalar<double>("v"), 2);
+  EXPECT_EQ(facts.damaged, "the stage 'landmarks': wrong checksum");
+  EXPECT_EQ(facts.job.state(), "cancelled");
+}
+
+// As it is for a client that was stopped for so long that its connection is gone.
+TEST_F(ClientTest, ResultsAreAskedForAgainWhereTheConnectionIsLost) {
+  std::atomic<int> lost = 2;
+  FakeService service(folder_.Ipc("s"), [&](const wire::Message& question) {
+    if (question.envelope.query().action() == "results" && lost-- > 0) return FakeService::Dropped();
+    wire::Message reply = Ok();
+    reply.envelope.mutable_reply()->add_jobs()->set_id("j");
+    reply.blobs = {wire::NameBlob(Number(2))};
+    reply.envelope.mutable_reply()->add_names("grid");
+    return reply;
+  });
+  const auto results = Connect().Results("j");
+  ASSERT_TRUE(results.ok()) << results.status().message();
+  EXPECT_EQ(results.value().at("grid")->Scalar<double>("v"), 2);
+}
+
+TEST_F(ClientTest, ACommandIsNotSaidTwiceWhereTheConnectionIsLost) {
+  std::atomic<int> told = 0;
+  FakeService service(folder_.Ipc("s"), [&](const wire::Message&) {
+    ++told;
+    return FakeService::Dropped();
+  });
+  const Status lost = Connect().Command("j", "cancel").status();
+  EXPECT_EQ(lost.code(), Code::kIo);
+  EXPECT_NE(lost.message().find("went away before it answered"), std::string::npos) << lost.message();
+  EXPECT_EQ(told, 1);
 }
 
 TEST_F(ClientTest, ResultsWithoutAllTheirNamesAreCorrupt) {

@@ -241,14 +241,16 @@ void Server::Obey(const std::string& peer, const wire::JobQuery& query, JobComma
   }
 }
 
-// As they are published. A stage whose file cannot be read is named in the message.
+// As they are published. Stages whose files cannot be read are named in the message.
 void Server::AddResults(const std::string& job, wire::Message& reply) {
+  std::string& damaged = *reply.envelope.mutable_reply()->mutable_message();
   for (const proto::Stage& stage : core_.FindJob(job)->spec.stages()) {
     const std::filesystem::path path = options_.result_path(job, stage.name());
     if (!std::filesystem::exists(path)) continue;
     Result<BlobFile> file = ReadStoredFile(path);
     if (!file.ok()) {
-      reply.envelope.mutable_reply()->set_message(ForUsers(file.status()).message());
+      damaged += (damaged.empty() ? "the stage '" : "; the stage '") + stage.name() +
+                 "': " + ForUsers(file.status()).message();
       continue;
     }
     reply.envelope.mutable_reply()->add_names(stage.name());

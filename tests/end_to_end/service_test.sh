@@ -22,6 +22,8 @@ exits 0 cairn status "$early"
 says "^waiting: no worker is connected \(start 'cairn worker'\)"
 exits 0 cairn cancel "$early"
 says 'is cancelled$'
+refuses "job $early was cancelled before a stage of it was done: it has no results, and will have none" \
+  cairn results "$early" --out never
 workers=()
 for _ in 1 2; do
   cairn worker >>worker.log 2>&1 &
@@ -110,6 +112,24 @@ kill -STOP "$coordinator"
 exits 1 cairn results "$monday" --out late
 grep -qE 'does not answer|no service listens' stderr || die "no word on a service that stands still: $(cat stderr)"
 kill -CONT "$coordinator"
+kill -TERM "$coordinator"
+wait "$coordinator" || die "the coordinator did not end in good order"
+
+# Of a chain whose second result is damaged the first comes all the same; the exit code says that it is not all.
+(CAIRN_HOME=$work/damaged exec cairn coordinator) 2>damaged.log &
+coordinator=$!
+export CAIRN_HOME=$work/damaged
+until_true 10 grep -q 'listening on' damaged.log
+printf '%s\n' 'name: chain' 'inputs: {log: log.h5}' 'stages:' \
+  '  - {name: first, pipeline: landmark_map, log: log, options: {iterations: 1}}' \
+  '  - {name: second, pipeline: landmark_map, log: log, options: {iterations: 2}}' >chain.yaml
+exits 0 cairn submit chain.yaml
+cairn worker >>worker.log 2>&1 &
+exits 0 cairn watch 1-chain
+printf 'XXXXXXX' | dd of=damaged/store/results/1-chain/second.h5 bs=1 seek=5000 conv=notrunc status=none
+refuses "what can be read is in 'part'; it lacks the stage 'second': .*damaged" cairn results 1-chain --out part
+exits 0 cairn inspect part/first.h5
+[ ! -e part/second.h5 ] || die "a damaged result was fetched"
 kill -TERM "$coordinator"
 wait "$coordinator" || die "the coordinator did not end in good order"
 

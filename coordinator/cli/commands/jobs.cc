@@ -83,11 +83,33 @@ bool Holds(const std::string& file, const Blob& result) {
   return there.ok() && there.value().blob.ContentHash() == result.Without("provenance/").ContentHash();
 }
 
+bool IsCutShort(const wire::JobInfo& job) { return job.state() == "cancelled" || job.state() == "failed"; }
+
+std::string WhyNoResults(const wire::JobInfo& job) {
+  if (IsCutShort(job))
+    return "job " + job.id() + (job.state() == "failed" ? " has failed" : " was cancelled") +
+           " before a stage of it was done: it has no results" +
+           (job.state() == "failed" ? "" : ", and will have none");
+  return "job " + job.id() + " has no results yet";
+}
+
+// What came of a job that was cut short is said to be a part of it.
+void SayWhatIsMissing(const wire::JobInfo& job, std::size_t stages) {
+  if (IsCutShort(job) && stages < job.stages())
+    std::printf("job %s %s: these are the results of %zu of its %u stages, those that were done\n",
+                job.id().c_str(), job.state() == "failed" ? "has failed" : "was cancelled", stages,
+                job.stages());
+}
+
 // A file a stage, and the pages of what came: the log, for raw odometry and truth, stays with who has it.
 // What is there already and is another is only replaced by force, and else none is written.
 void Fetch(coordinator::Client& client, const std::string& job, const fs::path& folder, bool force) {
-  const std::map<std::string, BlobPtr> results = Take(client.Results(job));
-  if (results.empty()) throw InputError("job " + job + " has no results yet");
+  coordinator::ResultsFacts facts;
+  const std::map<std::string, BlobPtr> results = Take(client.Results(job, &facts));
+  if (results.empty())
+    throw InputError(facts.damaged.empty()
+                         ? WhyNoResults(facts.job)
+                         : "job " + job + " has no result that can be read: " + facts.damaged);
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) Throw(SystemFailure(folder, "cannot make the folder", error.value()));
@@ -112,6 +134,10 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
   for (const std::string& picture : written.pictures)
     if (!picture.empty()) std::printf("%s\n", picture.c_str());
   if (!written.report.empty()) std::printf("%s\n", written.report.c_str());
+  if (!facts.damaged.empty())
+    throw InputError("job " + job + ": what can be read is in '" + folder.string() + "'; it lacks " +
+                     facts.damaged);
+  SayWhatIsMissing(facts.job, results.size());
 }
 
 // Of one job into --out itself; of many each into a folder of its own there.
