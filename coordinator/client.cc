@@ -123,7 +123,7 @@ Result<wire::Message> Judge(wire::Received received) {
       return Status(Code::kCorrupt, "the service names a job whose id is no file's name");
   // Where something is missing it may be sent: no refusal yet.
   if (!envelope.reply().ok() && envelope.reply().missing().empty())
-    return Status(Code::kRefused, envelope.reply().message());
+    return Status(envelope.reply().unable() ? Code::kNoSpace : Code::kRefused, envelope.reply().message());
   return std::move(received.message);
 }
 
@@ -149,7 +149,8 @@ Result<Client> Client::Connect(const ClientOptions& options) {
 Result<wire::Message> Client::Ask(wire::Message question, double timeout_s, int repeats) {
   Result<wire::Message> answer = AskOnce(question, timeout_s, repeats);
   const Code code = answer.status().code();
-  if (code == Code::kOk || (code == Code::kRefused && answered_)) return answer;
+  const bool said_no = code == Code::kRefused || code == Code::kNoSpace;
+  if (code == Code::kOk || (said_no && answered_)) return answer;
   // An answer that comes late must not be taken for that to the next question.
   if (const Status again = socket_.Reconnect(); !again.ok()) return again;
   return answer;

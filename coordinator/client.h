@@ -69,6 +69,7 @@ struct ResultsFacts {
 // For one thread.
 // kIo: nobody answers at the endpoint.
 // kRefused: the service said no (message: why), or does not know this key.
+// kNoSpace: it cannot now, for what it lacks (a full disk or store, too much that others ask).
 // kNotFound: no such job.
 class Client {
  public:

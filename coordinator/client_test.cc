@@ -210,6 +210,23 @@ TEST_F(ClientTest, ARefusedSubmissionIsNotRepeated) {
   EXPECT_EQ(asked, 1);
 }
 
+// By which a command knows with which code it ends.
+TEST_F(ClientTest, AServiceThatCannotNowIsToldFromOneThatWillNot) {
+  std::atomic<bool> unable = false;
+  FakeService service(folder_.Ipc("s"), [&](const wire::Message&) {
+    wire::Message reply = Ok();
+    reply.envelope.mutable_reply()->set_ok(false);
+    reply.envelope.mutable_reply()->set_unable(unable);
+    reply.envelope.mutable_reply()->set_message("why not");
+    return reply;
+  });
+  Client client = Connect();
+  EXPECT_EQ(client.Submit(proto::Job(), {{"log", Number(1)}}).status().code(), Code::kRefused);
+  unable = true;
+  EXPECT_EQ(client.Submit(proto::Job(), {{"log", Number(1)}}).status().code(), Code::kNoSpace);
+  EXPECT_EQ(client.Command("j", "cancel").status().code(), Code::kNoSpace);
+}
+
 TEST_F(ClientTest, AServiceThatKeepsNoInputIsGivenUp) {
   int asked = 0;
   Uploaded uploaded;

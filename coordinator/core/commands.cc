@@ -11,6 +11,10 @@ void Core::Tell(const std::string& asker, const std::string& job, const std::str
   if (!asker.empty()) actions_.push_back(Answer{asker, job, refusal, known});
 }
 
+void Core::TellUnable(const std::string& asker, const std::string& job, const std::string& refusal) {
+  if (!asker.empty()) actions_.push_back(Answer{asker, job, refusal, false, true});
+}
+
 void Core::AnswerWhenSaved(Job& job, const std::string& asker, const Standing& before) {
   if (!asker.empty()) job.pending.push_back({asker, job.saving.number + 1, before, false});
 }
@@ -22,8 +26,10 @@ void Core::AnswerAsItStands(Job& job, const std::string& asker, bool known) {
     job.pending.push_back({asker, job.pending.back().number, job.Stands(), known});
   else if (!saving.durable && saving.under_way)
     job.pending.push_back({asker, saving.number, job.Stands(), known});
+  else if (saving.durable)
+    Tell(asker, job.id, "", known);
   else
-    Tell(asker, job.id, saving.durable ? "" : job.reason, known);
+    TellUnable(asker, job.id, job.reason);
 }
 
 void Core::AnswerDurable(Job& job, std::uint64_t number) {
@@ -37,7 +43,7 @@ void Core::RefusePending(Job& job, const std::string& why) {
   if (job.pending.empty()) return;
   const std::deque<PendingCommand> pending = std::exchange(job.pending, {});
   for (const PendingCommand& command : pending)
-    Tell(command.asker, job.id, why + "; " + job.id + " is as it was before");
+    TellUnable(command.asker, job.id, why + "; " + job.id + " is as it was before");
   Undo(job, pending.front().before);
 }
 
@@ -47,7 +53,8 @@ void Core::RefuseSubmission(Job& job, const std::string& why) {
   WithdrawAll(job);
   Erase(job);
   actions_.push_back(ForgetJob{id});
-  for (const PendingCommand& command : pending) Tell(command.asker, id, why + "; the job was not taken");
+  for (const PendingCommand& command : pending)
+    TellUnable(command.asker, id, why + "; the job was not taken");
 }
 
 // But for what the job did by itself since: one that has failed, or is done, stays so.

@@ -175,6 +175,7 @@ class Core {
   void RefuseSubmission(Job& job, const std::string& why);  // the job goes
   void Undo(Job& job, const Standing& before);
   void Tell(const std::string& asker, const std::string& job, const std::string& refusal, bool known = false);
+  void TellUnable(const std::string& asker, const std::string& job, const std::string& refusal);
 
   // jobs.cc
   Job* FindById(const std::string& id);

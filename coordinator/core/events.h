@@ -155,6 +155,7 @@ struct Answer {
   std::string job;
   std::string refusal;  // empty: it is durable
   bool known = false;   // of a submission: the job was there before
+  bool unable = false;  // of a refusal: for what the service lacks, not for what was asked
 };
 // A job's state changed, or it came a round further.
 struct JobChanged {

@@ -194,7 +194,7 @@ void Core::On(const ForgetFailed& event) {
   job->saving.not_before_s = now_s_ + options_.save_again_s;  // of what is only too old
   Say(Report::kWarning, *job, "cannot be deleted: " + event.reason);
   for (const std::string& asker : std::exchange(job->deleters, {}))
-    Tell(asker, job->id, "cannot delete " + job->id + ": " + event.reason);
+    TellUnable(asker, job->id, "cannot delete " + job->id + ": " + event.reason);
 }
 
 void Core::Erase(Job& job) {

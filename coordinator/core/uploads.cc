@@ -42,6 +42,11 @@ void Uploads::Answer(const std::string& peer, const Hash& hash, const std::strin
   if (!peer.empty()) actions_.push_back(AnswerOffer{peer, hash, refusal, again});
 }
 
+void Uploads::AnswerFailure(const std::string& peer, const Hash& hash, const Status& status) {
+  const bool unable = status.code() != Code::kCorrupt;  // what came was another blob
+  if (!peer.empty()) actions_.push_back(AnswerOffer{peer, hash, status.message(), false, unable});
+}
+
 void Uploads::Keep(const std::string& peer, const Hash& hash, double now_s) {
   Kept& kept = kept_[peer];
   kept.blobs.insert(hash);
@@ -62,7 +67,9 @@ Uploads::Actions Uploads::Offered(const std::string& peer, const Hash& hash, std
   } else if (has_(hash)) {
     Keep(peer, hash, now_s);
   } else if (uploads_.size() >= options_.waiting) {
-    Answer(peer, hash, std::to_string(uploads_.size()) + " uploads are under way or wait: try again later");
+    AnswerFailure(
+        peer, hash,
+        {Code::kBusy, std::to_string(uploads_.size()) + " uploads are under way or wait: try again later"});
   } else {
     const std::uint64_t id = next_id_++;
     uploads_[id] = {id, peer, hash, bytes, Stage::kWaiting, 0, 0, 0, now_s};
@@ -125,7 +132,7 @@ Uploads::Actions Uploads::Wrote(std::uint64_t id, std::uint64_t bytes, const Sta
   if (upload.stage == Stage::kGivenUp) {
     if (upload.Held() == 0) uploads_.erase(it);
   } else if (!status.ok() && upload.stage == Stage::kOpen) {
-    Answer(upload.peer, upload.hash, status.message());
+    AnswerFailure(upload.peer, upload.hash, status);
     GiveUp(upload);
   }
   Settle(now_s);
@@ -140,7 +147,7 @@ Uploads::Actions Uploads::Closed(std::uint64_t id, const Status& status, double 
   by_peer_.erase(peer);
   uploads_.erase(it);
   if (!status.ok())
-    Answer(peer, hash, status.message());
+    AnswerFailure(peer, hash, status);
   else if (peer.empty())
     actions_.push_back(ReleaseBlob{hash});
   else

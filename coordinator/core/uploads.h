@@ -59,6 +59,7 @@ struct AnswerOffer {
   Hash hash;
   std::string refusal;  // empty: the blob is durable
   bool again = false;   // of a refusal: it may be offered once more
+  bool unable = false;  // of a refusal: for what the service lacks, not for what was offered
 };
 // A blob that was kept for a client is not any more: where nobody else needs it, it goes.
 struct ReleaseBlob {
@@ -124,6 +125,7 @@ class Uploads {
   Upload* OfPeer(const std::string& peer);
   std::size_t Open() const;
   void Answer(const std::string& peer, const Hash& hash, const std::string& refusal, bool again = false);
+  void AnswerFailure(const std::string& peer, const Hash& hash, const Status& status);
   void Keep(const std::string& peer, const Hash& hash, double now_s);
   void GiveUp(Upload& upload);
   void Offend(const std::string& peer, const std::string& what);

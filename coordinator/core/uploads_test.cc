@@ -284,6 +284,7 @@ TEST_F(UploadsTest, AFullDiskRefusesWithTheReasonAndLateBytesAreForgiven) {
   Disk();
   ASSERT_TRUE(clients_["a"].answer);
   EXPECT_EQ(clients_["a"].answer->refusal, "no space left");
+  EXPECT_TRUE(clients_["a"].answer->unable);
   EXPECT_FALSE(clients_["a"].answer->again);
   while (SendWhatIsAllowed("a")) {
   }

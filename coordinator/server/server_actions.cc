@@ -71,6 +71,7 @@ void Server::Do(const Answer& answer) {
   reply.set_ok(answer.refusal.empty());
   reply.set_message(answer.refusal);
   reply.set_known(answer.known);
+  reply.set_unable(answer.unable);
   wire::JobInfo gone;
   gone.set_id(answer.job);
   gone.set_state("deleted");

@@ -115,7 +115,9 @@ void Server::Serve(const std::string& peer, const wire::Submit& submit) {
 
 void Server::RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why) {
   refusals_.Add({kind, why}, Now());
-  Reply(peer, Refusal(why));
+  wire::Message reply = Refusal(why);
+  reply.envelope.mutable_reply()->set_unable(kind == wire::RefusalKind::kStore);
+  Reply(peer, std::move(reply));
 }
 
 // Never used before in this store: numbers go on behind all that have left a checkpoint or were deleted.
@@ -207,7 +209,9 @@ bool Server::MayAskWriter(const std::string& peer) {
   constexpr std::size_t kMostQuestions = 64;
   if (questions_.contains(peer)) return false;
   if (questions_.size() >= kMostQuestions) {
-    Reply(peer, Refusal("the service is busy with what others ask; ask again"));
+    wire::Message busy = Refusal("the service is busy with what others ask; ask again");
+    busy.envelope.mutable_reply()->set_unable(true);
+    Reply(peer, std::move(busy));
     return false;
   }
   questions_.insert(peer);

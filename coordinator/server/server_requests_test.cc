@@ -61,6 +61,7 @@ TEST(ServerRequests, AJobThatCannotBeSavedIsRefusedAndItsNumberGivenToNobodyElse
   EXPECT_NE(refused.message().find(" store/checkpoints/1-toy"), std::string::npos) << refused.message();
   EXPECT_EQ(refused.message().find(fixture.folder->dir().string()), std::string::npos)
       << "where the store lies is not a submitter's to know: " << refused.message();
+  EXPECT_TRUE(refused.unable()) << "what was asked was right";
   EXPECT_TRUE(refused.jobs().empty());
   EXPECT_TRUE(fixture.server->core().Jobs().empty());
   EXPECT_EQ(fixture.server->core().held_blobs(), 0u);
@@ -172,6 +173,7 @@ TEST(ServerRequests, ASubmissionWithoutItsInputsOrWithABadChainIsRefused) {
   job.mutable_stages(0)->set_name("../../etc");
   const wire::Reply reply = fixture.Ask(fixture.Submission(job, true));
   EXPECT_FALSE(reply.ok());
+  EXPECT_FALSE(reply.unable());
   EXPECT_TRUE(fixture.server->core().Jobs().empty());
 }
 

@@ -43,6 +43,7 @@ void Server::Do(const AnswerOffer& answer) {
   wire::Reply& reply = *message.envelope.mutable_reply();
   reply.set_ok(answer.refusal.empty());
   reply.set_message(answer.refusal);
+  reply.set_unable(answer.unable);
   if (answer.again) reply.add_missing(answer.hash.Binary());
   Reply(answer.peer, std::move(message));
 }
