@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <google/protobuf/stubs/logging.h>
+#include <pthread.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -10,6 +11,7 @@
 #include <filesystem>
 #include <iterator>
 #include <string>
+#include <vector>
 
 namespace cairn {
 namespace {
@@ -48,6 +50,44 @@ Status CheckSize(decltype(RLIMIT_FSIZE) resource, std::uint64_t needed, const st
                               " at the least: raise the limit (" + remedy + ")"};
 }
 
+// As many threads as could be begun and stand at a time, of `wanted`: the system counts those of all
+// processes of a user, and says nothing of their number.
+std::uint64_t ThreadsToHave(std::uint64_t wanted) {
+  std::vector<pthread_t> threads;
+  pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
+  pthread_attr_t attributes;
+  ::pthread_attr_init(&attributes);
+  ::pthread_attr_setstacksize(&attributes, std::size_t{256} << 10);
+  ::pthread_mutex_lock(&gate);
+  while (threads.size() < wanted) {
+    pthread_t thread{};
+    const auto wait = [](void* at) -> void* {
+      auto* mutex = static_cast<pthread_mutex_t*>(at);
+      ::pthread_mutex_lock(mutex);
+      ::pthread_mutex_unlock(mutex);
+      return nullptr;
+    };
+    if (::pthread_create(&thread, &attributes, wait, &gate) != 0) break;
+    threads.push_back(thread);
+  }
+  ::pthread_mutex_unlock(&gate);
+  for (const pthread_t thread : threads) ::pthread_join(thread, nullptr);
+  ::pthread_attr_destroy(&attributes);
+  return threads.size();
+}
+
+// ZeroMQ ends the process over a thread that it cannot have.
+Status CheckThreads(std::uint64_t needed) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NPROC, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return Status::Ok();
+  const std::uint64_t has = ThreadsToHave(needed);
+  if (has >= needed) return Status::Ok();
+  return {Code::kRefused, "the system lets this user have " + std::to_string(limit.rlim_cur) +
+                              " processes and threads at a time, of which " + std::to_string(has) +
+                              " are left for this one, and it needs " + std::to_string(needed) +
+                              ": raise the limit (ulimit -u 4096), or end others"};
+}
+
 // Where one is closed, a file that is opened later would get its number, and all that is meant for it. What
 // stands there instead fails like a closed one: it cannot be read, or not written.
 void FillStandardStreams() {
@@ -71,8 +111,11 @@ Status PrepareProcess(const ProcessNeeds& needs) {
                     "the system lets the stack of this process's threads grow to", "ulimit -s 8192");
       !status.ok())
     return status;
-  return CheckSize(RLIMIT_AS, needs.memory_bytes, "the system gives this process memory up to",
-                   "ulimit -v unlimited");
+  if (Status status = CheckSize(RLIMIT_AS, needs.memory_bytes, "the system gives this process memory up to",
+                                "ulimit -v unlimited");
+      !status.ok())
+    return status;
+  return CheckThreads(needs.threads);
 }
 
 }  // namespace cairn

@@ -13,6 +13,7 @@ struct ProcessNeeds {
   std::uint64_t file_bytes = 0;         // of the largest that it writes, at the least
   std::uint64_t memory_bytes = 0;       // addresses, at the least
   std::uint64_t stack_bytes = 1 << 20;  // of each thread, at the least
+  std::uint64_t threads = 4;            // and processes, beside those of this user that there are
 };
 
 // Raises the soft limit on open files where that is what is in the way. From now on a file that would grow

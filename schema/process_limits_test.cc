@@ -55,6 +55,27 @@ TEST(ProcessLimits, WhatIsTooLowIsSaidWithWhatIsNeeded) {
       << small.message();
 }
 
+// A child, which gives up the right of root to have as many as it likes.
+TEST(ProcessLimits, ThreadsThatCannotBeHadAreSaid) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    constexpr uid_t kNobody = 65534;
+    if (::geteuid() == 0 && ::setresuid(kNobody, kNobody, kNobody) != 0) ::_exit(3);
+    const rlimit low{1, 1};
+    if (::setrlimit(RLIMIT_NPROC, &low) != 0) ::_exit(4);
+    const Status few = PrepareProcess({.threads = 3});
+    const bool said = few.message().starts_with(
+        "the system lets this user have 1 processes and threads at a time, of which 0 are "
+        "left for this one, and it needs 3: raise the limit (ulimit -u");
+    ::_exit(few.code() == Code::kRefused && said ? 0 : 5);
+  }
+  int ended = 0;
+  ASSERT_EQ(::waitpid(child, &ended, 0), child);
+  ASSERT_TRUE(WIFEXITED(ended));
+  EXPECT_EQ(WEXITSTATUS(ended), 0);
+  EXPECT_TRUE(PrepareProcess({.threads = 16}).ok());
+}
+
 // Beyond it lies no write that fails, but the end of the process.
 TEST(ProcessLimits, AStackThatIsTooSmallIsSaid) {
   const Limited limited(RLIMIT_STACK, 64 << 10);

@@ -228,7 +228,11 @@ int WorkerProgram(int argc, char** argv, const std::vector<PipelineInfo>& pipeli
     std::fputs("cairn-worker: --connect ENDPOINT is missing (see --help)\n", stderr);
     return kExitRefused;
   }
-  if (const Status limits = PrepareProcess({.files = 32, .file_bytes = 0, .memory_bytes = 512 << 20});
+  if (const Status limits =
+          PrepareProcess({.files = 32,
+                          .file_bytes = 0,
+                          .memory_bytes = 512 << 20,
+                          .threads = 4 + static_cast<std::uint64_t>(std::max(0, arguments.slots))});
       !limits.ok()) {
     std::fprintf(stderr, "cairn-worker: %s\n", limits.message().c_str());
     return kExitRefused;

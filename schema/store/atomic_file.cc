@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -148,6 +149,13 @@ bool IsRefusal(int error_number) {
   }
 }
 
+// Its bytes are not what it lacks. File systems that make room for files as they need it say that they have
+// 0.
+bool HasNoRoomForFiles(const std::filesystem::path& folder) {
+  struct statvfs disk{};
+  return ::statvfs(folder.c_str(), &disk) == 0 && disk.f_files > 0 && disk.f_favail == 0 && disk.f_bavail > 0;
+}
+
 // Returns errno, or 0.
 int RenameOver(const std::filesystem::path& from, const std::filesystem::path& to) {
   return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
@@ -189,7 +197,9 @@ Status WriteAndPublish(const std::filesystem::path& path, std::span<const std::b
 Status SystemFailure(const std::filesystem::path& path, const std::string& doing, int error_number) {
   const bool full = error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
   const bool missing = error_number == ENOENT || error_number == ENOTDIR;
-  const std::string cause = error_number == EFBIG     ? "no file may grow so large here (ulimit -f)"
+  const std::string cause = error_number == EFBIG ? "no file may grow so large here (ulimit -f)"
+                            : error_number == ENOSPC && HasNoRoomForFiles(FolderOf(path))
+                                ? "no space left: the disk that holds it has no room for more files (inodes)"
                             : error_number == ENOSPC  ? "no space left: the disk that holds it is full"
                             : full                    ? "no space left: over a quota"
                             : error_number == ENOTDIR ? "there is a file where a folder is needed"

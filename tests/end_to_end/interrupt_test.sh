@@ -26,3 +26,12 @@ umount full
 [ "$code" -eq 1 ] || die "a full disk gave exit code $code, not 1"
 says 'space|full'
 [ "$left" -eq 0 ] || die "a half-written file is left on the full disk"
+
+# One with room for bytes, and for no more files.
+mount -t tmpfs -o size=20m,nr_inodes=2 tmpfs full
+touch full/last
+code=0
+cairn simulate loop full/loop.h5 >stdout 2>stderr || code=$?
+umount full
+[ "$code" -eq 1 ] || die "a disk without room for files gave exit code $code, not 1"
+says 'full/loop.h5: cannot write: no space left: the disk that holds it has no room for more files'

@@ -17,7 +17,7 @@ struct CoordinatorArguments {
 };
 
 int Serve(const CoordinatorArguments& options, const Invocation& call) {
-  Check(PrepareProcess({.files = 48, .file_bytes = 64 << 20, .memory_bytes = 512 << 20}));
+  Check(PrepareProcess({.files = 48, .file_bytes = 64 << 20, .memory_bytes = 512 << 20, .threads = 8}));
   coordinator::ServiceOptions service = options.service;
   if (service.store_dir.empty()) service.store_dir = HomeFolder() + "/store";
   if (service.listen.empty()) service.listen = DefaultEndpoint();

@@ -117,7 +117,10 @@ int RunArguments::MostWorkers() {
 
 void PrepareToRun(int workers) {
   const auto processes = static_cast<std::uint64_t>(std::max(0, workers));
-  Check(PrepareProcess({.files = 48 + 4 * processes, .file_bytes = 64 << 20, .memory_bytes = 512 << 20}));
+  Check(PrepareProcess({.files = 48 + 4 * processes,
+                        .file_bytes = 64 << 20,
+                        .memory_bytes = 512 << 20,
+                        .threads = 8 + 8 * std::min<std::uint64_t>(processes, 64)}));
 }
 
 int RunJob(const RunArguments& options, ParsedJob parsed, const Invocation& call,
