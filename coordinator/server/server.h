@@ -120,7 +120,7 @@ class Server {
   void Serve(const std::string& peer, const wire::Clean& clean);
   void Serve(const std::string& peer, const wire::WorkerQuery& query);
   void RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why);
-  void AddResults(const std::string& job, wire::Message& reply);
+  void AddResults(const std::string& id, wire::Message& reply);
   bool MayAskWriter(const std::string& peer);
   void AnswerLog(const std::string& peer, const wire::JobQuery& query);
   std::string WhatIsWrong(const wire::JobQuery& query) const;

@@ -45,6 +45,19 @@ std::string KnownJobs(const std::vector<wire::JobInfo>& jobs) {
   return known;
 }
 
+// What a stage of a job has published. kNotFound: nothing yet. kCorrupt: damaged, gone, or not what it made.
+Result<BlobFile> PublishedBy(const Job& job, std::size_t stage, const std::filesystem::path& path) {
+  Result<BlobFile> file = ReadStoredFile(path);
+  const bool all_are_there =
+      job.state == proto::JOB_DONE && job.saving.unpublished.empty() && !job.saving.under_way;
+  if (!file.ok() && file.status().code() == Code::kNotFound && all_are_there)
+    return Status(Code::kCorrupt, path.string() + ": is not there any more");
+  if (file.ok() && stage < job.results.size() &&
+      file.value().blob.Without("provenance/").ContentHash() != job.results[stage])
+    return Status(Code::kCorrupt, path.string() + ": is another result than this job made");
+  return file;
+}
+
 }  // namespace
 
 void Server::Reply(const std::string& peer, wire::Message reply) {
@@ -245,20 +258,21 @@ void Server::Obey(const std::string& peer, const wire::JobQuery& query, JobComma
   }
 }
 
-// As they are published. Stages whose files cannot be read are named in the message.
-void Server::AddResults(const std::string& job, wire::Message& reply) {
+// As they are published. Stages whose results are not there, or not what the job made, are named in the
+// message.
+void Server::AddResults(const std::string& id, wire::Message& reply) {
+  const Job& job = *core_.FindJob(id);
   std::string& damaged = *reply.envelope.mutable_reply()->mutable_message();
-  for (const proto::Stage& stage : core_.FindJob(job)->spec.stages()) {
-    const std::filesystem::path path = options_.result_path(job, stage.name());
-    if (!std::filesystem::exists(path)) continue;
-    Result<BlobFile> file = ReadStoredFile(path);
-    if (!file.ok()) {
-      damaged += (damaged.empty() ? "the stage '" : "; the stage '") + stage.name() +
+  for (std::size_t stage = 0; stage < static_cast<std::size_t>(job.spec.stages_size()); ++stage) {
+    const std::string& name = job.spec.stages(static_cast<int>(stage)).name();
+    Result<BlobFile> file = PublishedBy(job, stage, options_.result_path(id, name));
+    if (file.ok()) {
+      reply.envelope.mutable_reply()->add_names(name);
+      reply.blobs.push_back(wire::NameBlob(std::make_shared<const Blob>(std::move(file).value().blob)));
+    } else if (file.status().code() != Code::kNotFound) {
+      damaged += (damaged.empty() ? "the stage '" : "; the stage '") + name +
                  "': " + ForUsers(file.status()).message();
-      continue;
     }
-    reply.envelope.mutable_reply()->add_names(stage.name());
-    reply.blobs.push_back(wire::NameBlob(std::make_shared<const Blob>(std::move(file).value().blob)));
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "coordinator/server/rights.h"
 #include "coordinator/server/testing/hub_fixture.h"
+#include "schema/store/blob_file.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -187,6 +188,28 @@ TEST(ServerRequests, ResultsComeWithTheirNamesAndProvenance) {
   EXPECT_EQ(reply.names(1), "stage1");
   ASSERT_EQ(fixture.last_blobs.size(), 2u);
   EXPECT_EQ(fixture.last_blobs[1].blob->Text("provenance/kind"), "result");
+}
+
+TEST(ServerRequests, AResultThatIsGoneOrAnotherJobsIsNamedAndNotHandedOut) {
+  ServerFixture fixture;
+  fixture.transport.ComeWorker("w");
+  fixture.Submit("a", 2);
+  fixture.Until([&] { return fixture.State() == "done"; });
+  const std::filesystem::path results = fixture.temp.path() / "results/a";
+  std::filesystem::remove(results / "stage1.h5");
+  const wire::Reply gone = fixture.Ask(Query("a", "results"));
+  EXPECT_EQ(gone.names_size(), 1);
+  EXPECT_NE(gone.message().find("the stage 'stage1': "), std::string::npos) << gone.message();
+  EXPECT_NE(gone.message().find("is not there any more"), std::string::npos) << gone.message();
+
+  const BlobFile first = ReadStoredFile(results / "stage0.h5").value();
+  Blob other = first.blob;
+  other.Put("text", Array::Text("another"));
+  ASSERT_TRUE(WriteBlobFile((results / "stage1.h5").string(), first.kind, other).ok());
+  const wire::Reply swapped = fixture.Ask(Query("a", "results"));
+  EXPECT_EQ(swapped.names_size(), 1);
+  EXPECT_NE(swapped.message().find("is another result than this job made"), std::string::npos)
+      << swapped.message();
 }
 
 TEST(ServerRequests, StatusListCancelAndResume) {
