@@ -63,6 +63,16 @@ TEST(ExportTum, EachRobotHasAFileOfItsOwnWhateverItsName) {
                                       folder / "three/a_b_2_2.tum"}));
 }
 
+TEST(ExportTum, ALongNameIsCutToWhatAFileMayBeCalled) {
+  const TestFolder folder;
+  Blob result = SmallResult();
+  result.Put("robots", Array::Texts({std::string(256, 'a'), std::string(255, 'a')}));
+  const std::vector<std::string> files = ExportTum(result, folder / "long").value();
+  ASSERT_EQ(files.size(), 2U);
+  EXPECT_EQ(files[0], folder / ("long/" + std::string(200, 'a') + ".tum"));
+  EXPECT_EQ(files[1], folder / ("long/" + std::string(200, 'a') + "_1.tum"));
+}
+
 TEST(Export, LeavesFilesAloneThatAreThereUnlessToldToReplaceThem) {
   const TestFolder folder;
   const std::string file = ExportCsv(SmallLog(), folder / "csv").value().at(0);

@@ -14,7 +14,8 @@ namespace cairn::datasets {
 namespace {
 
 std::string FileName(const std::string& robot, std::size_t index, std::set<std::string>* taken) {
-  std::string name = robot;
+  constexpr std::size_t kMostBytes = 200;  // file systems take 255, with what comes behind
+  std::string name = robot.substr(0, kMostBytes);
   for (char& c : name) {
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_') c = '_';
   }

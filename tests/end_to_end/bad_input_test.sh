@@ -199,6 +199,13 @@ exits 0 cairn simulate loop --difficulty base --seed 7 another.h5
 refuses 'made from another log' cairn evaluate done --truth another.h5
 exits 0 cairn evaluate done --truth log.h5
 
+# Not even by force does a page take the place of what it is made of.
+for input in log.h5 done/landmark_map.h5; do
+  cp "$input" before.h5
+  refuses "'$input' is an input" cairn report done --log log.h5 --out "$input" --force
+  cmp -s "$input" before.h5 || die "$input was overwritten"
+done
+
 # Places that cannot be written to are the user's choice, for every command that writes.
 : >a_file
 long=$(printf 'x%.0s' {1..300})

@@ -93,9 +93,18 @@ std::vector<ScoredStage> ReadStages(const ReportArguments& options, const BlobPt
   return stages;
 }
 
+// The files that are read for a page.
+std::vector<std::string> FilesRead(const ReportArguments& options) {
+  std::vector<std::string> inputs =
+      fs::is_directory(options.result) ? FilesOf(options.result) : std::vector{options.result};
+  inputs.push_back(options.log);
+  return inputs;
+}
+
 int Report(const ReportArguments& options, const Invocation&) {
   if (!fs::exists(options.result)) throw InputError("there is no file or folder '" + options.result + "'");
   const std::string out = options.out.empty() ? DefaultOut(options.result) : options.out;
+  CheckOutputIsNoInput(out, FilesRead(options));
   CheckOverwrite(out, options.force);
   BlobPtr log;
   if (!options.log.empty()) {

@@ -131,6 +131,8 @@ struct Bad {
 
 constexpr Bad kBad[] = {
     {"UnknownKey", "seed: 7", "sede: 7", "job.yaml:2: unknown key 'sede'; did you mean 'seed'?"},
+    {"NulInAText", "name: museum", "name: \"mus\\0eum\"",
+     "job.yaml:1: name: has a NUL, at which a file's name would end"},
     {"KeyTwice", "seed: 7", "seed: 7\nseed: 8", "job.yaml:3: 'seed' was given already, at line 2"},
     {"SeedOfAnotherType", "seed: 7", "seed: seven", "job.yaml:2: seed: a whole number from 0"},
     {"SeedInQuotes", "seed: 7", "seed: '7'", "job.yaml:2: seed: a whole number from 0"},

@@ -71,6 +71,8 @@ std::string YamlReader::Text(const YamlEntry& entry) const {
   if (!IsQuoted(node) && typed)
     Refuse(entry.line, entry.key + ": a text is needed; write '" + text + "' in quotes");
   if (text.empty()) Refuse(entry.line, entry.key + ": is empty; a text is needed");
+  if (text.find('\0') != std::string::npos)
+    Refuse(entry.line, entry.key + ": has a NUL, at which a file's name would end");
   return text;
 }
 
