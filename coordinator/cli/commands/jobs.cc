@@ -113,6 +113,7 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) Throw(SystemFailure(folder, "cannot make the folder", error.value()));
+  RemoveLeftovers(folder);
   for (const auto& [stage, blob] : results) {
     const std::string file = (folder / (stage + ".h5")).string();
     if (!force && fs::exists(fs::symlink_status(file)) && !Holds(file, *blob))

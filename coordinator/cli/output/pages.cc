@@ -121,6 +121,9 @@ void CheckPagesAreOurs(const std::string& dir, const std::vector<std::string>& s
 
 void WritePagesOf(const std::string& dir, const std::string& job, const std::vector<Page>& pages) {
   if (pages.empty()) return;
+  std::set<fs::path> folders;
+  for (const Page& page : pages) folders.insert((fs::path(dir) / page.name).parent_path());
+  for (const fs::path& folder : folders) RemoveLeftovers(folder);
   Record written{job}, meanwhile = StillThere(dir, ReadRecord(dir));
   meanwhile.job = job;
   for (const Page& page : pages) {
@@ -135,6 +138,7 @@ void WritePagesOf(const std::string& dir, const std::string& job, const std::vec
 void WritePage(const std::string& path, const std::string& bytes) {
   const std::string dir = fs::absolute(path).parent_path().string();
   const bool is_kept = fs::exists(RecordOf(dir));
+  if (is_kept) RemoveLeftovers(dir);
   Record record = StillThere(dir, ReadRecord(dir));
   std::set<std::string>& hashes = record.hashes[fs::path(path).filename().string()];
   hashes.insert(HashOfBytes(bytes));

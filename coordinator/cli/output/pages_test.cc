@@ -1,6 +1,8 @@
 #include "coordinator/cli/output/pages.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -65,6 +67,27 @@ TEST_F(Pages, AfterAnEndInTheMidstTheyMayBeReplaced) {
 }
 
 // A folder where a page should be written first: nothing is replaced yet.
+// Of a process that is gone, whose number nobody has, and of one that lives; and what only looks like them.
+TEST_F(Pages, WhatAKilledProcessLeftGoesAndNothingElse) {
+  const pid_t gone = ::fork();
+  if (gone == 0) ::_exit(0);
+  ASSERT_EQ(::waitpid(gone, nullptr, 0), gone);
+  const std::string dead = std::to_string(gone), alive = std::to_string(::getppid());
+  const std::vector<std::string> stays = {".report.html." + alive + "-2.tmp",
+                                          "report.html." + dead + "-2.tmp", ".report.html." + dead + ".tmp",
+                                          ".mine.tmp"};
+  for (const std::string folder : {"", "first/"}) {
+    std::ofstream(dir_.path() / (folder + ".report.html." + dead + "-2.tmp")) << "half";
+    for (const std::string& name : stays) std::ofstream(dir_.path() / (folder + name)) << "kept";
+  }
+  Write("map");
+  for (const std::string folder : {"", "first/"}) {
+    EXPECT_FALSE(fs::exists(dir_.path() / (folder + ".report.html." + dead + "-2.tmp"))) << folder;
+    for (const std::string& name : stays)
+      EXPECT_TRUE(fs::exists(dir_.path() / (folder + name))) << folder + name;
+  }
+}
+
 TEST_F(Pages, AfterAnEndBeforeTheFirstTheOldOnesMayBeReplaced) {
   Write("map");
   EXPECT_ANY_THROW(WritePagesOf(dir_.path(), "a", {{"first", "in the way"}, {"map.png", "another"}}));
