@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "datasets/common/png.h"
+#include "datasets/export/parts.h"
 #include "datasets/testing.h"
 #include "datasets/testing_result.h"
 #include "schema/kinds/kind.h"
@@ -83,6 +84,22 @@ TEST(Export, LeavesFilesAloneThatAreThereUnlessToldToReplaceThem) {
   EXPECT_FALSE(std::filesystem::exists(folder / "csv/observations.csv")) << "all or nothing";
   EXPECT_TRUE(ExportCsv(SmallLog(), folder / "csv", true).ok());
   EXPECT_EQ(LinesOf(file), before);
+}
+
+// Two of a name stand for one that came to be there after it was looked for.
+TEST(Export, WhatComesToBeThereMeanwhileStays) {
+  const TestFolder folder;
+  for (const bool replace : {false, true}) {
+    FolderWriter writer(folder / "same", replace);
+    writer.Write(replace ? "b" : "a", "one");
+    writer.Write(replace ? "b" : "a", "two");
+    if (replace)
+      EXPECT_TRUE(writer.Finish().ok());
+    else
+      ExpectContains(InputErrorOf([&] { (void)writer.Finish(); }), "a' is there already");
+  }
+  EXPECT_EQ(FileText(folder / "same/a"), "one");
+  EXPECT_EQ(FileText(folder / "same/b"), "two");
 }
 
 TEST(ExportTum, SaysWhereThereAreNoPoses) {

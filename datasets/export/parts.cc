@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 #include <set>
+#include <span>
 #include <system_error>
 
 #include "schema/kinds/landmark_map.h"
@@ -104,16 +105,22 @@ void FolderWriter::Write(const std::string& name, std::string text) {
 }
 
 Written FolderWriter::Finish() {
-  for (const auto& [path, text] : files_) {
-    if (!replace_ && std::filesystem::exists(path))
+  const auto check_is_new = [&](const std::string& path) {
+    if (!replace_ && std::filesystem::exists(std::filesystem::symlink_status(path)))
       throw InputError("'" + path + "' is there already (--force replaces it)");
-  }
+  };
+  for (const auto& [path, text] : files_) check_is_new(path);
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error) return SystemFailure(folder_, "cannot make the folder", error.value());
   std::vector<std::string> paths;
   for (const auto& [path, text] : files_) {
-    if (Status status = WriteTextAtomically(path, text); !status.ok()) return status;
+    const auto bytes = std::as_bytes(std::span(text));
+    if (Status status = replace_ ? WriteFileAtomically(path, bytes) : WriteNewFileAtomically(path, bytes);
+        !status.ok()) {
+      check_is_new(path);  // another has come to be there meanwhile
+      return status;
+    }
     paths.push_back(path);
   }
   return paths;

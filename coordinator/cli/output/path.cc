@@ -1,6 +1,7 @@
 #include "coordinator/cli/output/path.h"
 
 #include <filesystem>
+#include <span>
 #include <system_error>
 
 #include "coordinator/cli/common/failure.h"
@@ -44,6 +45,13 @@ void CheckOverwrite(const std::string& path, bool force) {
 
 void WriteOutput(const std::string& path, const std::string& kind, const Blob& blob, bool force) {
   const Status written = force ? WriteBlobFile(path, kind, blob) : WriteNewBlobFile(path, kind, blob);
+  if (!written.ok()) CheckOverwrite(path, force);
+  Check(written);
+}
+
+void WriteOutput(const std::string& path, std::string_view bytes, bool force) {
+  const auto span = std::as_bytes(std::span(bytes));
+  const Status written = force ? WriteFileAtomically(path, span) : WriteNewFileAtomically(path, span);
   if (!written.ok()) CheckOverwrite(path, force);
   Check(written);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "schema/blob.h"
@@ -22,5 +23,8 @@ void CheckOverwrite(const std::string& path, bool force);
 
 // Throws the same InputError where another has come to be there meanwhile, and `force` is not given.
 void WriteOutput(const std::string& path, const std::string& kind, const Blob& blob, bool force);
+
+// The same of the bytes of a file.
+void WriteOutput(const std::string& path, std::string_view bytes, bool force);
 
 }  // namespace cairn::cli

@@ -55,7 +55,7 @@ int SimulateCorridor(const CorridorOptions& options, const Invocation&) {
   const Blob samples =
       datasets::SimulateCorridor(options.corridor, options.pictures.empty() ? nullptr : &pictures);
   for (const datasets::CorridorPicture& picture : pictures)
-    Check(WriteTextAtomically(PictureOf(options, picture.name), picture.png));
+    WriteOutput(PictureOf(options, picture.name), picture.png, options.force);
   WriteOutput(options.out, "samples", samples, options.force);
   std::printf("%s: %d run%s of %d snapshots, %zu inputs, features: %s\n", options.out.c_str(),
               options.corridor.runs, options.corridor.runs == 1 ? "" : "s", options.corridor.snapshots,
