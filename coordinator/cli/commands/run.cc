@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "coordinator/cli/commands/first_stage.h"
 #include "coordinator/cli/commands/run_summary.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
@@ -17,7 +18,6 @@
 #include "coordinator/cli/output/plan_text.h"
 #include "coordinator/core/job.h"
 #include "coordinator/local/embedded.h"
-#include "coordinator/local/private_folder.h"
 #include "schema/process_limits.h"
 
 namespace cairn::cli {
@@ -57,20 +57,11 @@ void Explain(const coordinator::EmbeddedResult& result, const std::string& out) 
   std::fprintf(stderr, "cairn: %s\n", text.c_str());
 }
 
-// Plans the first stage as a real run would, in a folder of its own that is gone afterwards.
 int DryRun(bool json, const proto::Job& job, const std::map<std::string, BlobPtr>& inputs,
            const Catalog& catalog) {
-  Result<coordinator::PrivateFolder> folder = coordinator::PrivateFolder::Make();
-  if (!folder.ok()) Throw(folder.status());
-  coordinator::EmbeddedOptions embedded;
-  embedded.dir = (folder.value().path() / "plan").string();
-  embedded.worker_program = WorkerProgram();
-  embedded.plan_only = true;
-  embedded.log = [](coordinator::Severity, const std::string&) {};
-  const coordinator::EmbeddedResult planned =
-      coordinator::RunEmbedded(embedded, job, inputs, {}, StopOnSignals());
+  const coordinator::EmbeddedResult planned = PlanFirstStage(job, inputs, StopOnSignals());
   if (planned.end != coordinator::EmbeddedEnd::kStopped && planned.end != coordinator::EmbeddedEnd::kDone) {
-    Explain(planned, embedded.dir);
+    Explain(planned, "");
     return ExitCode(planned.end);
   }
   const Plan plan{job, inputs, catalog, planned.info.note(), planned.expected};

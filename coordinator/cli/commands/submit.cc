@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "coordinator/cli/commands/client_arguments.h"
+#include "coordinator/cli/commands/first_stage.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/job_file/arguments.h"
@@ -61,14 +62,21 @@ ParsedJob JobOfFile(const SubmitArguments& options, const Catalog& catalog, cons
   return parsed;
 }
 
+// As `cairn run --dry-run` does, before anything is uploaded. The inputs' arrays are not kept: they may be
+// more than fit into memory.
+void CheckBeforeUpload(ParsedJob job, bool units_are_right) {
+  static_cast<void>(LookAtJobInputs(job, units_are_right));
+  CheckFirstStage(std::move(job), units_are_right);
+}
+
 // What would end a fleet's submission halfway: throws where a file cannot be an input, with what is wrong
-// with each. Their arrays are not kept: they may be more than fit into memory.
-void CheckInputs(std::vector<ParsedJob> jobs, bool units_are_right) {
+// with each.
+void CheckFleet(const std::vector<ParsedJob>& jobs, bool units_are_right) {
   constexpr std::size_t kMostNamed = 10;
   std::vector<std::string> wrong;
-  for (ParsedJob& job : jobs) {
+  for (const ParsedJob& job : jobs) {
     try {
-      static_cast<void>(LookAtJobInputs(job, units_are_right));
+      CheckBeforeUpload(job, units_are_right);
     } catch (const InputError& error) {
       wrong.emplace_back(error.what());
     }
@@ -97,16 +105,17 @@ void SubmitOne(const SubmitArguments& options, coordinator::Client& client, Pars
     std::printf("submitted %s; cairn watch %s\n", info.id().c_str(), info.id().c_str());
 }
 
-// All files are read and checked before the first job is handed in. Where it is cut off all the same, it may
+// All is read and checked before the first job is handed in. Where it is cut off all the same, it may
 // be said again: the service knows what it has.
 int Submit(const SubmitArguments& options, const Invocation&) {
   const Catalog catalog = LoadCatalog();
   std::vector<ParsedJob> jobs;
   if (options.each.empty()) {
     jobs.push_back(ResolveJob(options.arguments, catalog));
+    CheckBeforeUpload(jobs.front(), options.arguments.units_are_right);
   } else {
     for (const std::string& file : Matches(options.each)) jobs.push_back(JobOfFile(options, catalog, file));
-    CheckInputs(jobs, options.arguments.units_are_right);
+    CheckFleet(jobs, options.arguments.units_are_right);
   }
   coordinator::Client client = ConnectClient(options.client);
   for (ParsedJob& job : jobs) SubmitOne(options, client, std::move(job));
