@@ -175,6 +175,20 @@ const std::vector<std::string>* CsvReader::Fitting(
   return fits == headers.end() ? nullptr : &*fits;
 }
 
+// Beside seconds they are the whole time again or, as in ROS, what goes beyond whole seconds; taken for the
+// other either is wrong.
+void CsvReader::CheckForNanoseconds(const std::string& column) const {
+  constexpr std::string_view kSeconds = "_s", kNanoseconds = "_ns";
+  if (!column.ends_with(kSeconds)) return;
+  std::string other = column;
+  other.replace(other.size() - kSeconds.size(), kSeconds.size(), kNanoseconds);
+  if (Standing(other).empty()) return;
+  throw InputError(Place() + "the header has both " + column + " and " + other +
+                   ", and does not say whether " + other +
+                   " is the whole time or what goes beyond whole seconds: leave one of them out (" + column +
+                   " may have decimals)");
+}
+
 void CsvReader::FindColumns(const std::vector<std::vector<std::string>>& headers, std::string_view line) {
   const std::vector<std::string>* fits = Fitting(headers);
   if (fits == nullptr) {
@@ -197,6 +211,7 @@ void CsvReader::FindColumns(const std::vector<std::vector<std::string>>& headers
       break;
     }
     if (places.size() > 1) throw InputError(Place() + "the header has " + column.name + " twice");
+    CheckForNanoseconds(column.name);
     places_.push_back(places.empty() ? kMissing : places[0]);
     columns_.push_back(column.name);
     per_unit_.push_back(column.per);

@@ -29,7 +29,8 @@ class CsvReader {
  public:
   // Reads the file (plain or gzipped) and its header. `headers`: sets of columns, of which the file must have
   // all of the first that fits, but for those that end in '?' ("robot?").
-  // Throws InputError for a missing file or header, a column that is missing or doubled.
+  // Throws InputError for a missing file or header, a column that is missing or doubled, seconds beside
+  // nanoseconds.
   CsvReader(const std::string& path, const std::vector<std::vector<std::string>>& headers, BadLines* bad);
 
   std::size_t header() const { return header_; }                            // which set the file has
@@ -65,6 +66,7 @@ class CsvReader {
   void FindHeader(const std::vector<std::vector<std::string>>& headers);
   // Null where none fits.
   const std::vector<std::string>* Fitting(const std::vector<std::vector<std::string>>& headers) const;
+  void CheckForNanoseconds(const std::string& column) const;
   void FindColumns(const std::vector<std::vector<std::string>>& headers, std::string_view line);
   // Where columns of that name stand in the header.
   std::vector<std::size_t> Standing(const std::string& name) const;

@@ -107,6 +107,11 @@ TEST(CsvReader, TakesTheUnitsThatTheHeaderSays) {
   EXPECT_EQ(Rows("time_ms,range_mm,bearing_deg\n1500,2500,90\n"), "1.5 - 2.5 1.5708\n");
   EXPECT_EQ(Rows("time_us,range_cm,bearing_rad\n1500000,250,1\n"), "1.5 - 2.5 1\n");
   EXPECT_EQ(Rows("time_ms,time_s,range_m,bearing_rad\n9,1,2,1\n"), "1 - 2 1\n") << "the right one counts";
+  for (const char* both :
+       {"time_s,time_ns,range_m,bearing_rad\n9,1,2,1\n", "Time_NS,time_s,range_m,bearing_rad\n1,2,3,4\n"})
+    ExpectContains(Rows(both),
+                   "a.csv:1: the header has both time_s and time_ns, and does not say whether time_ns is "
+                   "the whole time or what goes beyond whole seconds");
   ExpectContains(Rows("time_s,range_ft,bearing_rad\n"),
                  "the header lacks columns: it must have "
                  "time_s[,robot],range_m,bearing_rad");
