@@ -3,6 +3,7 @@
 #
 # CAIRN_LINKS_<folder>: regular expressions of folders of our own, and of targets of others.
 set(CAIRN_LINKS_schema "Eigen3::.*|fmt::fmt|protobuf::.*|PkgConfig::CAIRN_XXHASH|cairn_proto")
+set(CAIRN_LINKS_schema_command_line "fmt::fmt|CLI11::.*")
 set(CAIRN_LINKS_schema_store "schema|PkgConfig::CAIRN_HDF5")
 set(CAIRN_LINKS_schema_wire "schema|PkgConfig::CAIRN_ZMQ")
 set(CAIRN_LINKS_pipelines "schema|pipelines(/.*)?")
@@ -55,7 +56,7 @@ set(CAIRN_LINKS_coordinator_store "schema(/.*)?|coordinator/core|SQLite::.*|Thre
 set(CAIRN_LINKS_coordinator_server "schema(/.*)?|coordinator/(core|store)")
 set(CAIRN_LINKS_coordinator_local "schema(/.*)?|coordinator/(core|store|server)|Threads::Threads")
 set(CAIRN_LINKS_coordinator_cli "schema(/.*)?|coordinator/cli/.*|CLI11::.*")
-set(CAIRN_LINKS_coordinator_cli_common "schema(/.*)?|CLI11::.*")
+set(CAIRN_LINKS_coordinator_cli_common "schema(/.*)?")
 set(CAIRN_LINKS_coordinator_cli_job_file
   "schema(/.*)?|coordinator|coordinator/(core|cli/common)|datasets/common|yaml-cpp(::.*)?|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_output

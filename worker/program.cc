@@ -16,6 +16,7 @@
 #include <sstream>
 
 #include "schema/build_info.h"
+#include "schema/command_line/command.h"
 #include "schema/numerics.h"
 #include "schema/process_limits.h"
 #include "schema/text.h"
@@ -63,39 +64,32 @@ void CatchSignals() {
   for (const int number : {SIGINT, SIGTERM}) ::sigaction(number, &action, nullptr);
 }
 
-void Declare(CLI::App& app, Arguments& a) {
-  app.footer(
+void Declare(cli::Command app, Arguments& a) {
+  app.Footer(
       "Example: cairn-worker --connect tcp://hub:7000 --key desk.key --server-key hub.pub --task-memory-mb "
       "2000\n"
       "Exit codes: 0 ended on request, 1 no coordinator, 2 refused or bad usage");
-  app.add_option("--connect", a.connect,
-                 "endpoint of the coordinator: ipc:///FOLDER/NAME or tcp://HOST:PORT");
-  app.add_option("--slots", a.slots, "tasks that may be assigned at a time")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--cache-mb", a.cache_mb, "memory for blobs that may be needed again")
-      ->capture_default_str();
-  app.add_option("--task-memory-mb", a.task_memory_mb,
-                 "memory that a task may take beside its inputs; a job's own limit counts where it is lower "
-                 "(0: no limit of this worker's)")
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
-      ->capture_default_str();
-  app.add_option(
-         "--drain-s", a.drain_s,
-         "on SIGTERM finish the task that runs, for at most so many seconds; a second signal does not "
-         "wait")
-      ->check(CLI::Range(0.0, 1e6))
-      ->capture_default_str();
-  app.add_option("--key", a.key_file, "this worker's key pair (tcp)");
-  app.add_option("--server-key", a.server_key_file, "the coordinator's public key (tcp)");
-  app.add_flag("--log-json", a.log_json, "log in JSON lines");
-  app.add_flag("--die-with-parent", a.die_with_parent, "end with the process that started this one");
-  app.add_option("--inputs-fd", a.inputs_fd,
-                 "descriptor of memory with the run's inputs, which the process that started this one shares "
-                 "with it; else they are fetched");
-  app.add_flag("--describe", a.describe,
-               "print all pipelines with their inputs and options as JSON, and end");
-  app.set_version_flag("--version", CAIRN_VERSION);
+  app.Add("--connect", a.connect, "endpoint of the coordinator: ipc:///FOLDER/NAME or tcp://HOST:PORT");
+  app.Add("--slots", a.slots, "tasks that may be assigned at a time").Within(1, 1000).ShowDefault();
+  app.Add("--cache-mb", a.cache_mb, "memory for blobs that may be needed again").ShowDefault();
+  app.Add("--task-memory-mb", a.task_memory_mb,
+          "memory that a task may take beside its inputs; a job's own limit counts where it is lower "
+          "(0: no limit of this worker's)")
+      .Within(std::uint64_t{0}, std::uint64_t{1'000'000'000})
+      .ShowDefault();
+  app.Add("--drain-s", a.drain_s,
+          "on SIGTERM finish the task that runs, for at most so many seconds; a second signal does not "
+          "wait")
+      .Within(0.0, 1e6)
+      .ShowDefault();
+  app.Add("--key", a.key_file, "this worker's key pair (tcp)");
+  app.Add("--server-key", a.server_key_file, "the coordinator's public key (tcp)");
+  app.AddFlag("--log-json", a.log_json, "log in JSON lines");
+  app.AddFlag("--die-with-parent", a.die_with_parent, "end with the process that started this one");
+  app.Add("--inputs-fd", a.inputs_fd,
+          "descriptor of memory with the run's inputs, which the process that started this one shares "
+          "with it; else they are fetched");
+  app.AddFlag("--describe", a.describe, "print all pipelines with their inputs and options as JSON, and end");
 }
 
 std::string JsonLine(Severity severity, const std::string& line) {
@@ -215,7 +209,8 @@ int WorkerProgram(int argc, char** argv, const std::vector<PipelineInfo>& pipeli
   KeepMemory();
   Arguments arguments;
   CLI::App app("Computes tasks for a Cairn coordinator", "cairn-worker");
-  Declare(app, arguments);
+  app.set_version_flag("--version", CAIRN_VERSION);
+  Declare(cli::Command(&app), arguments);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -270,3 +270,7 @@ says 'cairn import csv --odometry tables/odometry.csv log.h5'
 refuses 'looks like a table of odometry; read it in: cairn import csv' cairn inspect tables/odometry.csv
 mkdir nothing
 refuses "holds nothing that Cairn knows" cairn inspect nothing
+
+# What is no number is none for a worker either.
+exits 2 cairn-worker --connect "ipc://$work/none/hub" --drain-s nan
+says "'nan' is not allowed; allowed: a number from 0 to 1e\+06"

@@ -126,6 +126,7 @@ void ReadFile(const fs::path& root, const std::string& file, std::vector<Finding
 const std::vector<Rule>& Rules() {
   static const std::vector<Rule> kRules = {
       {"schema", {"schema/*", "schema/kinds/", "Eigen/", "google/protobuf/", "xxhash.h"}, false},
+      {"schema/command_line", {"schema/command_line/", "CLI/"}, false},
       {"schema/store", {"schema/*", "schema/kinds/", "schema/store/", "hdf5.h", "hdf5_hl.h"}, false},
       {"schema/wire",
        {"schema/*", "schema/kinds/", "schema/wire/", "zmq.h", "zmq.hpp", "netinet/in.h", "arpa/inet.h",
@@ -311,7 +312,7 @@ const std::vector<Rule>& Rules() {
        {"schema/", "coordinator/core/", "coordinator/store/", "coordinator/server/", "coordinator/local/"},
        false},
       {"coordinator/cli", {"schema/", "coordinator/cli/", "CLI/"}, false},
-      {"coordinator/cli/common", {"schema/", "coordinator/cli/common/", "CLI/"}, false},
+      {"coordinator/cli/common", {"schema/", "coordinator/cli/common/"}, false},
       {"coordinator/cli/job_file",
        {"schema/", "coordinator/*", "coordinator/core/", "coordinator/cli/common/",
         "coordinator/cli/job_file/", "datasets/common/", "yaml-cpp/", "nlohmann/", "google/protobuf/"},

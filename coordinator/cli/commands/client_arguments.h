@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "coordinator/cli/common/command.h"
 #include "coordinator/client.h"
+#include "schema/command_line/command.h"
 
 namespace cairn::cli {
 

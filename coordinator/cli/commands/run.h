@@ -5,10 +5,10 @@
 #include <functional>
 #include <string>
 
-#include "coordinator/cli/common/command.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/job_file/job_file.h"
 #include "coordinator/local/embedded.h"
+#include "schema/command_line/command.h"
 
 namespace cairn::cli {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "coordinator/cli/common/command.h"
+#include "schema/command_line/command.h"
 
 namespace cairn::cli {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/cli/common/command.h"
 #include "coordinator/cli/common/invocation.h"
+#include "schema/command_line/command.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::cli {

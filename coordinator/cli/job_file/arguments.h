@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/cli/common/command.h"
 #include "coordinator/cli/job_file/catalog.h"
 #include "coordinator/cli/job_file/job_file.h"
+#include "schema/command_line/command.h"
 
 namespace cairn::cli {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/cli/common/command.h"
 #include "coordinator/cli/job_file/catalog.h"
+#include "schema/command_line/command.h"
 
 namespace CLI {
 class App;

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "coordinator/cli/common/command.h"
 #include "datasets/simulate/loop.h"
+#include "schema/command_line/command.h"
 
 namespace cairn::cli {
 

@@ -1,4 +1,4 @@
-#include "coordinator/cli/common/command.h"
+#include "schema/command_line/command.h"
 
 #include <fmt/format.h>
 

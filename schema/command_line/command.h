@@ -1,5 +1,5 @@
-// A command of `cairn` and its arguments: what the commands need of CLI11, whose headers a compiler takes
-// seconds for.
+// A command of `cairn`, or the program `cairn-worker`, and its arguments: what they need of CLI11, whose
+// headers a compiler takes seconds for.
 #pragma once
 
 #include <functional>
