@@ -1,27 +1,28 @@
 #include "coordinator/cli/commands/first_stage.h"
 
 #include <cstdint>
-#include <filesystem>
 
 #include "coordinator/cli/commands/run.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/programs.h"
 #include "coordinator/cli/job_file/inputs.h"
 #include "coordinator/local/private_folder.h"
+#include "schema/flat_blob.h"
 
 namespace cairn::cli {
 namespace {
 
-constexpr std::uint64_t kMostPlanned_bytes = 256 << 20;
+// What a submission has in memory does not grow with its inputs; these are there as a whole.
+constexpr std::uint64_t kMostPlanned_bytes = 16 << 20;
 
-std::uint64_t SizeOf(const ParsedJob& parsed) {
-  std::uint64_t bytes = 0;
-  for (const auto& [name, input] : parsed.inputs) {
-    std::error_code error;  // which reading it says
-    const std::uint64_t size = std::filesystem::file_size(input.path, error);
-    if (!error) bytes += size;
+// Of their arrays, as they are in memory.
+std::uint64_t SizeOf(const std::map<std::string, coordinator::Input>& inputs) {
+  std::uint64_t all = 0;
+  for (const auto& [name, input] : inputs) {
+    const Result<std::uint64_t> bytes = FlatBytes(input.meta);
+    if (bytes.ok()) all += bytes.value();
   }
-  return bytes;
+  return all;
 }
 
 }  // namespace
@@ -40,7 +41,7 @@ coordinator::EmbeddedResult PlanFirstStage(const proto::Job& job,
 }
 
 void CheckFirstStage(ParsedJob parsed, bool units_are_right) {
-  if (SizeOf(parsed) > kMostPlanned_bytes) return;
+  if (SizeOf(LookAtJobInputs(parsed, units_are_right)) > kMostPlanned_bytes) return;
   PrepareToRun(1);
   const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed, units_are_right);
   const std::atomic<bool> never = false;  // a signal ends the command

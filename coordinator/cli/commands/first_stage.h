@@ -19,7 +19,7 @@ coordinator::EmbeddedResult PlanFirstStage(const proto::Job& job,
                                            const std::atomic<bool>& stop);
 
 // Throws InputError of a job whose first stage the pipeline refuses, so that it need not be sent away to hear
-// it. Of inputs that are more than a small part of memory nothing is said.
+// it, and of inputs that cannot be read or are in doubt. Where they hold more than 16 MiB no plan is made.
 void CheckFirstStage(ParsedJob parsed, bool units_are_right);
 
 }  // namespace cairn::cli

@@ -62,13 +62,6 @@ ParsedJob JobOfFile(const SubmitArguments& options, const Catalog& catalog, cons
   return parsed;
 }
 
-// As `cairn run --dry-run` does, before anything is uploaded. The inputs' arrays are not kept: they may be
-// more than fit into memory.
-void CheckBeforeUpload(ParsedJob job, bool units_are_right) {
-  static_cast<void>(LookAtJobInputs(job, units_are_right));
-  CheckFirstStage(std::move(job), units_are_right);
-}
-
 // What would end a fleet's submission halfway: throws where a file cannot be an input, with what is wrong
 // with each.
 void CheckFleet(const std::vector<ParsedJob>& jobs, bool units_are_right) {
@@ -76,7 +69,7 @@ void CheckFleet(const std::vector<ParsedJob>& jobs, bool units_are_right) {
   std::vector<std::string> wrong;
   for (const ParsedJob& job : jobs) {
     try {
-      CheckBeforeUpload(job, units_are_right);
+      CheckFirstStage(job, units_are_right);
     } catch (const InputError& error) {
       wrong.emplace_back(error.what());
     }
@@ -105,14 +98,14 @@ void SubmitOne(const SubmitArguments& options, coordinator::Client& client, Pars
     std::printf("submitted %s; cairn watch %s\n", info.id().c_str(), info.id().c_str());
 }
 
-// All is read and checked before the first job is handed in. Where it is cut off all the same, it may
-// be said again: the service knows what it has.
+// All is read and checked, as `cairn run --dry-run` does, before the first job is handed in. Where it is cut
+// off all the same, it may be said again: the service knows what it has.
 int Submit(const SubmitArguments& options, const Invocation&) {
   const Catalog catalog = LoadCatalog();
   std::vector<ParsedJob> jobs;
   if (options.each.empty()) {
     jobs.push_back(ResolveJob(options.arguments, catalog));
-    CheckBeforeUpload(jobs.front(), options.arguments.units_are_right);
+    CheckFirstStage(jobs.front(), options.arguments.units_are_right);
   } else {
     for (const std::string& file : Matches(options.each)) jobs.push_back(JobOfFile(options, catalog, file));
     CheckFleet(jobs, options.arguments.units_are_right);
