@@ -268,6 +268,8 @@ odometry "${good_rows[@]}" >tables/odometry.csv
 exits 0 cairn inspect tables
 says 'cairn import csv --odometry tables/odometry.csv log.h5'
 refuses 'looks like a table of odometry; read it in: cairn import csv' cairn inspect tables/odometry.csv
+refuses 'cairn inspect tables/odometry.csv. says how it is read in' cairn run landmark_map tables/odometry.csv
+refuses 'cairn map tables/odometry.csv. chooses one' cairn run tables/odometry.csv
 mkdir nothing
 refuses "holds nothing that Cairn knows" cairn inspect nothing
 

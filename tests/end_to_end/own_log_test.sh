@@ -19,13 +19,12 @@ done
 
 # The rows that the tutorial shows are good ones: odometry, the same as poses, observations.
 awk '/^```csv$/ {on = 1; n++; next} /^```$/ {on = 0} on {print > ("shown" n ".csv")}' "$CAIRN_SOURCE/docs/my-own-log.md"
-sed -i 's/^0.20,/20.20,/' shown1.csv shown2.csv
 exits 0 cairn import csv --odometry shown1.csv --observations shown3.csv shown.h5
 cut -d, -f1,3- shown3.csv >one-robot.csv
 exits 0 cairn import csv --odometry shown2.csv --observations one-robot.csv shown-poses.h5
 
 # The mistake of units that it shows, the words of the message too, and how to insist.
-sed '2s/.*/9.70,anna,door,3.2,179.3/;3d' shown3.csv >degrees.csv
+sed '2s/.*/0.20,anna,door,3.2,179.3/;3d' shown3.csv >degrees.csv
 refuses 'bearings reach 179.3: are they in degrees. Cairn reads radians' \
   cairn import csv --odometry shown1.csv --observations degrees.csv degrees.h5
 said=$(grep -o 'bearings reach 179.3.*' stderr)

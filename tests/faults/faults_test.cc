@@ -150,7 +150,7 @@ TEST_F(Faults, AnInputThatDoesNotFitOnTheDiskIsRefusedWithTheReasonAndLeavesNoth
       coordinator::Client::Connect({.endpoint = endpoint_, .security = {}, .timeout_s = 30}).value();
   const Status refused =
       client.Submit(ToyJob(), {{"log", std::make_shared<const Blob>(std::move(large))}}).status();
-  EXPECT_EQ(refused.code(), Code::kRefused);
+  EXPECT_EQ(refused.code(), Code::kNoSpace);
   EXPECT_NE(refused.message().find("no space left"), std::string::npos) << refused.message();
   EXPECT_TRUE(fs::is_empty(Store() / "uploads"));
   EXPECT_TRUE(fs::is_empty(Store() / "blobs"));

@@ -99,8 +99,9 @@ Catalog Catalog::FromJson(std::string_view text) {
 const PipelineSpec& Catalog::At(const std::string& pipeline) const {
   const PipelineSpec* found = FindByName(pipelines_, pipeline);
   if (found == nullptr) {
-    const std::string hint = pipeline.ends_with(".h5") ? "; `cairn map " + pipeline + "` chooses one"
-                                                       : Suggest(pipeline, Names(pipelines_));
+    const std::string hint = pipeline.find('.') != std::string::npos
+                                 ? "; `cairn map " + pipeline + "` chooses one"
+                                 : Suggest(pipeline, Names(pipelines_));
     throw InputError("there is no pipeline '" + pipeline + "'" + hint);
   }
   return *found;

@@ -42,8 +42,11 @@ Doubts DoubtsOf(const std::string& kind, const Blob& blob) {
   return known != nullptr && known->has_units ? datasets::FindUnitDoubts(blob) : Doubts();
 }
 
+// Of a file of another program `inspect` says which command reads it in.
 Status Named(const JobInput& input, const Status& status) {
-  return {status.code(), input.where + ": " + status.message()};
+  const bool foreign = status.code() == Code::kCorrupt && !input.path.ends_with(".h5");
+  return {status.code(), input.where + ": " + status.message() +
+                             (foreign ? "; `cairn inspect " + input.path + "` says how it is read in" : "")};
 }
 
 void Accept(const proto::Job& job, const std::string& name, const JobInput& input, const std::string& kind,

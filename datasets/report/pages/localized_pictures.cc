@@ -227,12 +227,13 @@ LineChart EachError(const LocalizationScore& score) {
   return each;
 }
 
+// In other colours than the errors above it, with which it shares a legend.
 LineChart HowSure(const LocalizedSteps& localized, const LocalizationScore* score) {
   LineChart chart{"Root of the mean square over the robots", "distance travelled [m]", "distance [m]", {}};
-  chart.curves.push_back(RootMeanSquare(localized.steps, "as far off as it believes to be", 0,
+  chart.curves.push_back(RootMeanSquare(localized.steps, "as far off as it believes to be", 3,
                                         [&](std::size_t k) { return localized.steps[k].spread_m; }));
   if (score != nullptr) {
-    chart.curves.push_back(RootMeanSquare(localized.steps, "as far off as it is", 1,
+    chart.curves.push_back(RootMeanSquare(localized.steps, "as far off as it is", 4,
                                           [&](std::size_t k) { return score->steps[k].mean_m; }));
   }
   return chart;
