@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <span>
 
@@ -255,6 +256,21 @@ struct WallSums {
   double error_rad = 0, first_lock_s = 0;
 };
 
+// The walls that most rows are of: those of the building, whichever way its frame is turned.
+double MainWalls(std::span<const double> angle_rad) {
+  constexpr double kSame_rad = 1e-6;
+  std::map<std::int64_t, std::size_t> rows;
+  double main_rad = 0;
+  std::size_t most = 0;
+  for (const double angle : angle_rad) {
+    const std::size_t count = ++rows[std::llround(ModuloQuarter(angle) / kSame_rad)];
+    if (count <= most) continue;
+    most = count;
+    main_rad = angle;
+  }
+  return main_rad;
+}
+
 void AddWalls(const Robot& robot, WallSums* sums) {
   const kinds::LocalMap::Walls& walls = robot.found.walls;
   if (!walls.time_s || !robot.of_truth.walls_time_s) return;
@@ -262,6 +278,8 @@ void AddWalls(const Robot& robot, WallSums* sums) {
                                 true_time = robot.of_truth.walls_time_s,
                                 true_angle = robot.of_truth.walls_angle_rad;
   const std::span<const std::uint8_t> locked = walls.locked, other = walls.other_area;
+  constexpr double kSame_rad = 1e-6;
+  const double main_rad = MainWalls(true_angle);
   bool begun = false;
   for (std::size_t i = 0; i < time.size(); ++i) {
     const auto next = std::ranges::lower_bound(true_time, time[i]);
@@ -271,7 +289,7 @@ void AddWalls(const Robot& robot, WallSums* sums) {
     begun = begun || locked[i];
     if (!begun) continue;
     const double wall_rad = true_angle[static_cast<std::size_t>(next - true_time.begin())];
-    const bool turned = ModuloQuarter(wall_rad) != 0;
+    const bool turned = std::abs(ModuloQuarter(wall_rad - main_rad)) > kSame_rad;
     ++(turned ? sums->turned : sums->straight);
     if (other[i]) ++(turned ? sums->turned_found : sums->straight_told);
     if (turned || other[i] || std::isnan(angle[i])) continue;

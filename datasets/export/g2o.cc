@@ -50,15 +50,25 @@ double Nominal(const Column<double>& figure, double otherwise) {
   return figure ? std::max(figure.Scalar(), 1e-3) : otherwise;
 }
 
-// A landmark as seen from a pose, and the information of that.
-std::string Seen(double range_m, double bearing_rad, const kinds::Log::Noise& noise) {
+// A landmark as seen from `robot`, a pose in a vertex's frame, and the information of that, in that frame.
+std::string Seen(const Pose& robot, double range_m, double bearing_rad, const kinds::Log::Noise& noise) {
   Eigen::Matrix2d information = Eigen::Matrix2d::Identity() * std::pow(Nominal(noise.contact_m, 0.5), -2);
-  if (std::isnan(range_m)) return "0 0" + Upper(information);
-  const double across = std::max(range_m, 0.1) * Nominal(noise.bearing_rad, 0.02);
-  const Eigen::Vector2d weights(std::pow(Nominal(noise.range_m, 0.1), -2), std::pow(across, -2));
-  information = Rotation(bearing_rad) * weights.asDiagonal() * Rotation(bearing_rad).transpose();
-  return NumberText(range_m * std::cos(bearing_rad)) + " " + NumberText(range_m * std::sin(bearing_rad)) +
-         Upper(information);
+  Pose at = robot;
+  if (!std::isnan(range_m)) {
+    const double across = std::max(range_m, 0.1) * Nominal(noise.bearing_rad, 0.02);
+    const Eigen::Vector2d weights(std::pow(Nominal(noise.range_m, 0.1), -2), std::pow(across, -2));
+    const Eigen::Matrix2d along = Rotation(robot.heading_rad + bearing_rad);
+    information = along * weights.asDiagonal() * along.transpose();
+    at = Compose(robot, {range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad), 0});
+  }
+  return NumberText(at.x_m) + " " + NumberText(at.y_m) + Upper(information);
+}
+
+// Where the robot was at `time_s`, as vertex `i`, the last one before, has it.
+Pose SinceVertex(const Path& path, std::size_t i, double time_s) {
+  if (i + 1 == path.poses.size() || path.time_s[i + 1] <= path.time_s[i]) return {};
+  const double share = (time_s - path.time_s[i]) / (path.time_s[i + 1] - path.time_s[i]);
+  return Between(path.poses[i], Interpolate(path.poses[i], path.poses[i + 1], share));
 }
 
 // Edges from a robot's poses, the first of which is vertex `first_id`, to landmarks.
@@ -80,7 +90,7 @@ std::string LandmarkEdges(const kinds::LandmarkMap& map, const kinds::Log& log, 
     const auto pose = static_cast<std::size_t>(after - path.time_s.begin()) - 1;
     text += "EDGE_SE2_XY " + std::to_string(first_id + pose) + " " +
             std::to_string(first_landmark_id + static_cast<std::size_t>(landmark[i])) + " " +
-            Seen(range[i], bearing[i], log.noise) + "\n";
+            Seen(SinceVertex(path, pose, time[i]), range[i], bearing[i], log.noise) + "\n";
   }
   return text;
 }

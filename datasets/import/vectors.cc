@@ -1,8 +1,8 @@
 #include "datasets/import/vectors.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
-#include <iterator>
 #include <map>
 #include <optional>
 
@@ -23,6 +23,12 @@ constexpr const char* kLeft = "odometry_left_m";
 
 bool IsOdometry(const std::string& column) {
   return column == kTurn || column == kForward || column == kLeft;
+}
+
+// A name that means odometry and is none that is read: of another unit, or other letters.
+bool IsLikeOdometry(std::string column) {
+  for (char& c : column) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return column.starts_with("odometry_");
 }
 
 std::int64_t Total(const std::map<std::string, std::int64_t>& counts) {
@@ -104,8 +110,13 @@ class VectorsImport {
     reader->TakeExtraColumns();
     const std::vector<std::string>& names = reader->extra_columns();
     std::vector<std::string> inputs;
-    std::ranges::copy_if(names, std::back_inserter(inputs),
-                         [](const auto& name) { return !IsOdometry(name); });
+    for (const std::string& name : names) {
+      if (IsOdometry(name)) continue;
+      if (IsLikeOdometry(name))
+        throw InputError(reader->Place() + "column '" + name + "' is no input of a network; odometry is " +
+                         kTurn + ", " + kForward + " and " + kLeft + ", in these units and letters");
+      inputs.push_back(name);
+    }
     const bool has_heading = reader->header() == 0;
     if (samples_.runs.empty()) {
       if (inputs.empty())

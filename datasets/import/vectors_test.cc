@@ -64,6 +64,10 @@ TEST_F(ImportVectorsTest, TakesOdometryAsSuchAndNotAsInputs) {
   EXPECT_FALSE(log_.Has("run/1/odometry/turn_rad"));
   ExpectContains(Failure("time_s,x_m,y_m,s,odometry_turn_rad\n1,0,0,0.1,0\n"),
                  "a.csv:1: the header has some odometry");
+  ExpectContains(Failure("time_s,x_m,y_m,s,odometry_turn_deg,odometry_forward_mm\n1,0,0,0.1,0,0\n"),
+                 "a.csv:1: column 'odometry_turn_deg' is no input of a network");
+  ExpectContains(Failure("time_s,x_m,y_m,s,Odometry_Turn_Rad\n1,0,0,0.1,0\n"),
+                 "column 'Odometry_Turn_Rad' is no input of a network");
   options_.skip_bad = true;
   ExpectContains(Failure("time_s,x_m,y_m,s,odometry_turn_rad,odometry_forward_m\n1,0,0,1,0,0\n2,0,0,x,0,0\n"
                          "3,0,0,1,0,0\n"),

@@ -31,13 +31,20 @@ bool IsResult(const std::string& kind) {
   return known == nullptr || !known->is_given;
 }
 
+// Those of which `export csv` makes tables.
+bool HasTables(const std::string& kind) {
+  const datasets::ResultKind* known = datasets::FindResultKind(kind);
+  return known != nullptr && known->exports.find("csv") != std::string_view::npos;
+}
+
 // What a person can do with the files of a folder, in the order of doing it.
 std::vector<std::string> NextCommands(const std::string& folder, const Found& files) {
   std::vector<std::string> commands = {"cairn inspect " + folder + "/" + files.front().first};
   const bool results = std::ranges::any_of(files, [](const auto& file) { return IsResult(file.second); });
   if (results) {
     commands.push_back("cairn report " + folder);
-    commands.push_back("cairn export csv " + folder + " " + folder + "-tables");
+    if (std::ranges::any_of(files, [](const auto& file) { return HasTables(file.second); }))
+      commands.push_back("cairn export csv " + folder + " " + folder + "-tables");
   } else {
     commands.push_back("cairn pipelines");
   }
