@@ -157,6 +157,59 @@ Verdict::Doubt OfHalves(const kinds::LandmarkMap::Fit& fit) {
                   fit.fewest_common_s.Or(0), fit.fewest_common.Scalar() == 0 ? "" : "one landmark and ")};
 }
 
+// Time that the log lacks, and the way in it.
+Verdict::Doubt OfHoles(const kinds::LandmarkMap& map, Verdict* verdict) {
+  constexpr std::int64_t kEnough = 2;
+  constexpr double kTied_nats = 10;
+  const kinds::LandmarkMap::Holes& holes = map.holes;
+  const std::size_t count = holes.robot.OrNone().size();
+  if (count == 0) return {Confidence::kHigh};
+  const auto is_loose = [&](std::size_t k) {
+    return holes.shared_landmarks[k] < kEnough || holes.lead_nats[k] < kTied_nats;
+  };
+  std::size_t worst = 0;  // a loose one, the longest of them
+  for (std::size_t k = 1; k < count; ++k)
+    if (is_loose(k) != is_loose(worst) ? is_loose(k) : holes.length_s[k] > holes.length_s[worst]) worst = k;
+  verdict->numbers.emplace_back("odometry_hole_s", holes.length_s[worst]);
+  std::string text =
+      fmt::format("the odometry of {} lacks {:.1f} s from {:.1f} s on, some {:.1f} m of its way",
+                  map.robots[static_cast<std::size_t>(holes.robot[worst])], holes.length_s[worst],
+                  holes.from_s[worst], holes.missing_m[worst]);
+  if (is_loose(worst))
+    text += ", and what it saw before and after has too little in common to tell where it went on";
+  if (count > 1) text += fmt::format("; it lacks more {} times", count - 1);
+  return {is_loose(worst) ? Confidence::kLow : Confidence::kFair, text};
+}
+
+// Whether names, or enough landmarks in common, say where each robot is in the map of the others.
+Verdict::Doubt OfPlaces(const kinds::LandmarkMap& map, Verdict* verdict) {
+  constexpr double kTied_nats = 10;
+  std::string loose;
+  double least_nats = std::numeric_limits<double>::infinity();
+  std::int64_t shared = 0, one_sided = 0;
+  // Of two robots each is as loose as the other: the first one's place is the frame's.
+  for (std::size_t r = map.robot.size() == 2 ? 1 : 0; r < map.robot.size(); ++r) {
+    const kinds::LandmarkMap::Robot& robot = map.robot[r];
+    const std::optional<double> nats = robot.place_lead_nats.Optional();
+    if (!nats) continue;
+    if (*nats < least_nats) {
+      least_nats = *nats;
+      shared = robot.shared_landmarks.Or(0);
+      one_sided = robot.one_sided_landmarks.Or(0);
+    }
+    if (*nats < kTied_nats) loose += (loose.empty() ? "" : ", ") + map.robots[r];
+  }
+  if (std::isinf(least_nats)) return {Confidence::kHigh};
+  verdict->numbers.emplace_back("place_lead_nats", least_nats);
+  if (loose.empty()) return {Confidence::kHigh};
+  return {
+      Confidence::kLow,
+      fmt::format("where {} is in the map of the others is uncertain: {} landmarks in common, {} that one "
+                  "side alone has seen though the other looked there, {:.1f} nats {} the next place or none; "
+                  "the path of each robot alone may be right",
+                  loose, shared, one_sided, std::abs(least_nats), least_nats < 0 ? "behind" : "ahead of")};
+}
+
 // A map may be as exact as it says and yet too vague to be called right.
 Verdict::Doubt OfUncertainty(const kinds::LandmarkMap& map, Verdict* verdict) {
   constexpr double kVague_m = 1;
@@ -269,8 +322,9 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, Verdict* ve
   verdict->why = named ? fitted : verdict->why + "; " + fitted;
   for (const Verdict::Doubt& doubt :
        {OfMisfits(map), WhereStartsDisagree(map, OfWidths(map)), WhereStartsDisagree(map, OfRun(fit)),
-        WhereStartsDisagree(map, OfJumps(fit)), OfHalves(fit), OfUncertainty(map, verdict),
-        OfDistances(map, verdict), OfTurns(map, verdict), OfRangeOffsets(map, verdict)}) {
+        WhereStartsDisagree(map, OfJumps(fit)), OfHalves(fit), OfHoles(map, verdict), OfPlaces(map, verdict),
+        OfUncertainty(map, verdict), OfDistances(map, verdict), OfTurns(map, verdict),
+        OfRangeOffsets(map, verdict)}) {
     verdict->Add(doubt);
   }
 }
@@ -293,6 +347,10 @@ std::string NotRefined(const Blob& result) {
   return reason ? reason.Scalar() : "";
 }
 
+bool OdometryContradicts(const Blob& result) {
+  return NotRefined(result) == std::string("refused: ") + kinds::kOdometryWrongByHalf;
+}
+
 bool RefinementRefused(const Blob& result) { return NotRefined(result).starts_with("refused"); }
 
 Verdict LandmarkMapVerdict(const Blob& result) {
@@ -311,12 +369,15 @@ Verdict LandmarkMapVerdict(const Blob& result) {
     verdict.why +=
         fmt::format("; {} of {} observations {} of none of its landmarks", observations - explained,
                     observations, observations - explained == 1 ? "is" : "are");
+  if (2 * explained < observations) verdict.trust = Confidence::kLow;
   if (const std::string moved = MovedText(result); !moved.empty()) {
     verdict.trust = std::min(verdict.trust, Confidence::kFair);
     verdict.why += "; " + moved;
   }
-  if (RefinementRefused(result))
+  if (RefinementRefused(result)) {
     verdict.why += "; refinement was " + NotRefined(result) + ", the landmarks stand where EM left them";
+    if (OdometryContradicts(result)) verdict.trust = Confidence::kLow;
+  }
   return verdict;
 }
 

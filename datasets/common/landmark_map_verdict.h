@@ -23,7 +23,11 @@ Confidence ReadConfidence(const Blob& result);
 // bearings err by three times what is stated, or the distances are 15% off. Chosen on simulated figures of
 // eight; how often it is right of other logs was not measured. Of landmarks without names at a distance: what
 // the search says or the fit, whichever is less, and fair at most; low where ranges or bearings err by 1.5
-// times and less than half of the starts found the map. Of any other: what its search says, how many
+// times and less than half of the starts found the map. Low, too, where the place of a robot among the others
+// rests on landmarks without names and is not ten nats ahead of the next one, or of none (place_lead_nats);
+// where less than half of the observations are of a landmark; where odometry and observations contradict each
+// other. At most fair where odometry lacks some way (`holes/`), low where what was seen before and after does
+// not hold together as robots must. Of any other: what its search says, how many
 // observations its landmarks explain, whether its refinement was refused. Of a map of a log, and with
 // options, like those on which the rates were measured (search/unlike is there and empty): "high: right in 99
 // of 100 such simulations; found from 6 of 12 starts, 57.2 nats ahead of the next different map". Of another
@@ -37,5 +41,7 @@ Verdict LandmarkMapVerdict(const Blob& result);
 std::string NotRefined(const Blob& result);
 // True where that was tried and its outcome thrown away.
 bool RefinementRefused(const Blob& result);
+// True where no path explains both odometry and observations.
+bool OdometryContradicts(const Blob& result);
 
 }  // namespace cairn::datasets

@@ -12,6 +12,7 @@
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/landmarks/image_landmarks.h"
 #include "pipelines/landmark_map/refinement/moved_landmarks.h"
+#include "pipelines/landmark_map/refinement/robot_ties.h"
 #include "pipelines/landmark_map/state/given_map.h"
 #include "schema/geometry.h"
 #include "schema/kinds/landmark_map.h"
@@ -415,6 +416,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   result.Put("refinement/reason", Array::Text(not_refined));
   if (!refined.paths.empty())
     result.PutAll("fit/", refined.fit.ToBlob(refined.landmarks, settings.map.types));
+  PutTies(blob, refined, rows, settings, &result);
   if (!moved.empty()) result.PutAll("moved/", BlobOf(moved));
   if (inputs.Has("search")) result.PutAll("search/", *inputs.Get("search"));
   Step step;

@@ -17,6 +17,9 @@ struct GridPlace {
   }
 };
 
+// What refinement/reason says after "refused: " where no path explains both odometry and observations.
+inline constexpr const char* kOdometryWrongByHalf = "odometry's ways or turns would be wrong by half";
+
 struct LandmarkMap {
   struct RobotPoses : UncertainPoses {
     Column<double> mode_x_m, mode_y_m, mode_heading_rad;
@@ -41,7 +44,8 @@ struct LandmarkMap {
     RobotPoses poses;
     Column<std::int32_t> map_landmark;  // of each observation
     Column<double> probability, heading_drift_rad_per_m, heading_walk_rad_per_sqrt_m, turn_ratio,
-        distance_scale, turn_scale, range_offset_m;
+        distance_scale, turn_scale, range_offset_m, place_lead_nats;
+    Column<std::int64_t> shared_landmarks, one_sided_landmarks;
     Beliefs beliefs;
     static void Fields(const auto& field) {
       field("poses", &Robot::poses);
@@ -55,6 +59,9 @@ struct LandmarkMap {
       field({"distance_scale", "", Positive()}, &Robot::distance_scale);
       field({"turn_scale", "", Positive()}, &Robot::turn_scale);
       field({"range_offset_m", "", Finite()}, &Robot::range_offset_m);
+      field({"shared_landmarks", "", From(0)}, &Robot::shared_landmarks);
+      field({"one_sided_landmarks", "", From(0)}, &Robot::one_sided_landmarks);
+      field({"place_lead_nats", "", Finite()}, &Robot::place_lead_nats);
     }
   };
   struct Map {
@@ -151,6 +158,21 @@ struct LandmarkMap {
     }
   };
 
+  // Pauses of a robot's odometry of whose way no row tells.
+  struct Holes {
+    Column<std::int32_t> robot;
+    Column<double> from_s, length_s, missing_m, lead_nats;
+    Column<std::int64_t> shared_landmarks;
+    static void Fields(const auto& field) {
+      field(Needed("robot", "H", IndexInto("robots")), &Holes::robot);
+      field(Needed("from_s", "H", Finite()), &Holes::from_s);
+      field(Needed("length_s", "H", Positive()), &Holes::length_s);
+      field(Needed("missing_m", "H", Positive()), &Holes::missing_m);
+      field(Needed("shared_landmarks", "H", From(0)), &Holes::shared_landmarks);
+      field(Needed("lead_nats", "H", Finite().OrNan()), &Holes::lead_nats);
+    }
+  };
+
   Texts robots, landmarks, types, log_hash, refinement_reason;
   Column<double> until_s;
   std::vector<Robot> robot;
@@ -160,6 +182,7 @@ struct LandmarkMap {
   Search search;
   Fit fit;
   Moved moved;
+  Holes holes;
 
   static void Fields(const auto& field) {
     field({"robots", "R"}, &LandmarkMap::robots);
@@ -175,6 +198,7 @@ struct LandmarkMap {
     field("search", &LandmarkMap::search);
     field("fit", &LandmarkMap::fit);
     field("moved", &LandmarkMap::moved);
+    field("holes", &LandmarkMap::holes);
   }
 };
 

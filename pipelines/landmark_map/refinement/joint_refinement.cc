@@ -9,6 +9,7 @@
 
 #include "pipelines/landmark_map/refinement/joint_covariances.h"
 #include "pipelines/landmark_map/refinement/width_estimate.h"
+#include "schema/kinds/landmark_map.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -243,7 +244,7 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
   constexpr double kMostScale = 0.5;
   for (const SystematicErrors& errors : end.point.errors) {
     if (!(std::max(std::abs(errors.way), std::abs(errors.turn)) < kMostScale))
-      return {"odometry's ways or turns would be wrong by half", landmarks, {}, {}};
+      return {kinds::kOdometryWrongByHalf, landmarks, {}, {}};
   }
   const LeastSquaresCovariances covariances = CovariancesOf(problem, end.point);
   if (covariances.landmarks.empty()) return {"the least squares has no solution", landmarks, {}, {}};

@@ -1,0 +1,173 @@
+#include "pipelines/landmark_map/refinement/robot_ties.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <string>
+
+#include "schema/kinds/landmark_map.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+using Rows = std::vector<std::vector<PlacedRow>>;
+using Robots = std::vector<std::size_t>;
+
+Submap SubmapOfRobots(const Rows& rows, const Robots& robots) {
+  std::vector<std::span<const PlacedRow>> of;
+  for (const std::size_t r : robots) of.emplace_back(rows[r]);
+  return SubmapOf(of);
+}
+
+Tie TieOf(const Submap& one, const Submap& base, const std::vector<bool>& named, double sigma_m) {
+  constexpr std::int64_t kEnoughNames = 2;
+  Tie tie;
+  std::int64_t names = 0;
+  for (const Submap::Seen& seen : one.landmarks) {
+    if (std::ranges::find(base.landmarks, seen.landmark, &Submap::Seen::landmark) == base.landmarks.end())
+      continue;
+    ++tie.shared;
+    names += named[static_cast<std::size_t>(seen.landmark)] ? 1 : 0;
+  }
+  if (names >= kEnoughNames) return tie;
+  const Placings placings = FindPlacings(one, base, sigma_m);
+  tie.one_sided = static_cast<std::int64_t>(placings.here.contradicted);
+  tie.lead_nats = placings.LeadNats();
+  return tie;
+}
+
+bool HoldTogether(const Submap& one, const Submap& base, const std::vector<bool>& named, double sigma_m) {
+  constexpr std::int64_t kEnoughNames = 2;
+  const auto shared = std::ranges::count_if(one.landmarks, [&](const Submap::Seen& seen) {
+    return named[static_cast<std::size_t>(seen.landmark)] &&
+           std::ranges::find(base.landmarks, seen.landmark, &Submap::Seen::landmark) != base.landmarks.end();
+  });
+  return shared >= kEnoughNames || PlacingHere(one, base, sigma_m).nats >= kTiedNats;
+}
+
+// Of robots each of which holds together with those before it.
+std::vector<Robots> GroupsOf(const Rows& rows, const std::vector<bool>& named, double sigma_m) {
+  Robots left(rows.size());
+  std::iota(left.begin(), left.end(), std::size_t{0});
+  std::vector<Robots> groups;
+  while (!left.empty()) {
+    groups.push_back({left.front()});
+    left.erase(left.begin());
+    for (std::size_t k = 0; k < left.size();) {
+      if (!HoldTogether(SubmapOfRobots(rows, {left[k]}), SubmapOfRobots(rows, groups.back()), named,
+                        sigma_m)) {
+        ++k;
+        continue;
+      }
+      groups.back().push_back(left[k]);
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(k));
+      k = 0;
+    }
+  }
+  return groups;
+}
+
+}  // namespace
+
+Rows PlacedRows(const kinds::Log& log, const JointRefinement& refined,
+                const std::vector<RowAssociations>& rows, double until_s) {
+  Rows placed(refined.paths.size());
+  for (std::size_t r = 0; r < placed.size(); ++r) {
+    const kinds::Log::Observations& seen = log.robot[r].observations;
+    for (std::size_t i = 0; i < seen.time_s.size() && seen.time_s[i] <= until_s; ++i) {
+      if (std::isnan(seen.range_m[i])) continue;
+      const RefinedPath::Pose at = refined.paths[r].At(seen.time_s[i]);
+      placed[r].push_back({seen.time_s[i],
+                           {at.x_m, at.y_m, at.heading_rad},
+                           seen.range_m[i] - refined.paths[r].errors().range_m,
+                           seen.bearing_rad[i],
+                           rows[r].landmark[i]});
+    }
+  }
+  return placed;
+}
+
+double TieSigma_m(const Rows& rows, const ModelFit& fit) {
+  // Of the difference of two, and a little for paths that are bent.
+  constexpr double kOfBoth = 1.5;
+  double range_m = 0, bearing_rad = 0, sum_m = 0, count = 0;
+  for (const ModelFit::Width& width : fit.widths) {
+    if (width.kind == "range") range_m = std::max(width.stated, width.found);
+    if (width.kind == "bearing") bearing_rad = std::max(width.stated, width.found);
+  }
+  for (const std::vector<PlacedRow>& robot : rows) {
+    for (const PlacedRow& row : robot) sum_m += row.range_m;
+    count += static_cast<double>(robot.size());
+  }
+  return kOfBoth * std::hypot(range_m, count > 0 ? bearing_rad * sum_m / count : 0);
+}
+
+std::vector<Tie> TiesOfRobots(const Rows& rows, const std::vector<bool>& named, double sigma_m) {
+  std::vector<Tie> ties(rows.size());
+  if (rows.size() < 2) return ties;
+  const std::vector<Robots> groups = GroupsOf(rows, named, sigma_m);
+  const Robots& most = *std::ranges::max_element(groups, {}, &Robots::size);
+  for (const Robots& group : groups) {
+    if (&group == &most) continue;
+    const Tie tie = TieOf(SubmapOfRobots(rows, group), SubmapOfRobots(rows, most), named, sigma_m);
+    for (const std::size_t r : group) ties[r] = tie;
+  }
+  for (const std::size_t r : most) {
+    if (most.size() == 1) continue;  // the others are tied to it
+    Robots others = most;
+    std::erase(others, r);
+    ties[r] = TieOf(SubmapOfRobots(rows, {r}), SubmapOfRobots(rows, others), named, sigma_m);
+  }
+  return ties;
+}
+
+Tie TieAcross(const OdometryHole& hole, const std::vector<PlacedRow>& rows, const std::vector<bool>& named,
+              double sigma_m) {
+  const double middle_s = hole.begin_s + 0.5 * hole.length_s;
+  const auto after = std::ranges::find_if(rows, [&](const PlacedRow& row) { return row.time_s > middle_s; });
+  return TieOf(SubmapOf({std::span(rows.begin(), after)}), SubmapOf({std::span(after, rows.end())}), named,
+               sigma_m);
+}
+
+void PutTies(const Blob& blob, const JointRefinement& refined, const std::vector<RowAssociations>& rows,
+             const Settings& settings, Blob* result) {
+  if (refined.paths.empty()) return;
+  const auto log = Read<kinds::Log>(blob);
+  const Rows placed = PlacedRows(log, refined, rows, settings.steps.until_s);
+  const double sigma_m = TieSigma_m(placed, refined.fit);
+  std::vector<bool> named;
+  for (const Landmark& landmark : refined.landmarks) named.push_back(landmark.type < settings.map.types);
+  if (!(sigma_m > 0)) return;  // contact detections alone
+  const std::vector<Tie> ties = TiesOfRobots(placed, named, sigma_m);
+  for (std::size_t r = 0; r < ties.size() && ties.size() > 1; ++r) {
+    const std::string prefix = "robot/" + std::to_string(r) + "/";
+    result->PutScalar<std::int64_t>(prefix + "shared_landmarks", ties[r].shared);
+    if (ties[r].one_sided)
+      result->PutScalar<std::int64_t>(prefix + "one_sided_landmarks", *ties[r].one_sided);
+    if (ties[r].lead_nats) result->PutScalar<double>(prefix + "place_lead_nats", *ties[r].lead_nats);
+  }
+  kinds::LandmarkMap::Holes holes;
+  std::vector<OdometryHole> found = FindOdometryHoles(blob);
+  std::erase_if(found, [&](const OdometryHole& hole) {
+    return !(hole.missing_m > 0) || hole.begin_s >= settings.steps.until_s;
+  });
+  if (found.empty()) return;
+  std::vector<std::int64_t> shared;
+  std::vector<double> lead_nats;
+  for (const OdometryHole& hole : found) {
+    const Tie tie = TieAcross(hole, placed[static_cast<std::size_t>(hole.robot)], named, sigma_m);
+    shared.push_back(tie.shared);
+    lead_nats.push_back(tie.lead_nats.value_or(std::numeric_limits<double>::quiet_NaN()));
+  }
+  holes.robot = cairn::ColumnOf(found, &OdometryHole::robot);
+  holes.from_s = cairn::ColumnOf(found, &OdometryHole::begin_s);
+  holes.length_s = cairn::ColumnOf(found, &OdometryHole::length_s);
+  holes.missing_m = cairn::ColumnOf(found, &OdometryHole::missing_m);
+  holes.shared_landmarks = shared;
+  holes.lead_nats = lead_nats;
+  result->PutAll("holes/", BlobOf(holes));
+}
+
+}  // namespace cairn::landmark_map

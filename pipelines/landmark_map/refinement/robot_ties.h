@@ -1,0 +1,51 @@
+// What holds the robots of a map together, and the halves of a path before and after a hole in the odometry:
+// landmarks in common.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "pipelines/landmark_map/refinement/joint_refinement.h"
+#include "pipelines/landmark_map/refinement/placing.h"
+#include "pipelines/landmark_map/refinement/row_associations.h"
+#include "schema/blob.h"
+#include "schema/kinds/log.h"
+#include "schema/kinds/odometry_holes.h"
+
+namespace cairn::landmark_map {
+
+struct Tie {
+  // Landmarks that both sides have seen twice at least.
+  std::int64_t shared = 0;
+  // That one side alone has seen though the other looked there, and by how many nats they are likelier to lie
+  // so than otherwise (placing.h). None where names say it, of two landmarks or more.
+  std::optional<std::int64_t> one_sided = {};
+  std::optional<double> lead_nats = {};
+};
+
+// From so many nats on a place is held for sure enough.
+inline constexpr double kTiedNats = 10;
+
+// The rows of each robot at a range and bearing, from its refined path.
+std::vector<std::vector<PlacedRow>> PlacedRows(const kinds::Log& log, const JointRefinement& refined,
+                                               const std::vector<RowAssociations>& rows, double until_s);
+
+// How far off landmarks are that two sides see: by what ranges and bearings were found to err.
+double TieSigma_m(const std::vector<std::vector<PlacedRow>>& rows, const ModelFit& fit);
+
+// Of each robot to the others; where those do not hang together either, to the most that do, which are each
+// tied to the rest of them. None of a single robot. `named`: of each landmark, whether it has a name.
+std::vector<Tie> TiesOfRobots(const std::vector<std::vector<PlacedRow>>& rows, const std::vector<bool>& named,
+                              double sigma_m);
+
+// Of what a robot saw before a hole to what it saw after.
+Tie TieAcross(const OdometryHole& hole, const std::vector<PlacedRow>& rows, const std::vector<bool>& named,
+              double sigma_m);
+
+// As schema/FORMAT.md has them: `robot/N/shared_landmarks` and what belongs to it, and `holes/` where the
+// odometry lacks some way. Nothing where the least squares was refused.
+void PutTies(const Blob& log, const JointRefinement& refined, const std::vector<RowAssociations>& rows,
+             const Settings& settings, Blob* result);
+
+}  // namespace cairn::landmark_map
