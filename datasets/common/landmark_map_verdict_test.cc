@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -198,6 +199,95 @@ TEST(LandmarkMapVerdict, HalvesThatOdometryAloneHoldsTogetherAreNotHigh) {
   EXPECT_EQ(held(0).trust, Confidence::kFair);
   EXPECT_NE(held(0).why.find("before 61.5 s and after hangs together by odometry alone"), std::string::npos)
       << held(0).why;
+}
+
+TEST(LandmarkMapVerdict, WhatOdometryLacksIsNeverHighAndLowWhereNothingElseTellsWhereItWentOn) {
+  const auto lacks = [](std::int64_t shared, double lead_nats) {
+    kinds::LandmarkMap map;
+    map.holes.robot = std::vector<std::int32_t>{0, 0};
+    map.holes.from_s = std::vector<double>{10, 140};
+    map.holes.length_s = std::vector<double>{25, 20.1};
+    map.holes.missing_m = std::vector<double>{2.0, 6.0};
+    map.holes.shared_landmarks = std::vector<std::int64_t>{9, shared};
+    map.holes.lead_nats = std::vector<double>{std::nan(""), lead_nats};
+    Blob blob = FittedMap(200, 0, 0, 0);
+    blob.PutAll("holes/", BlobOf(map).Sub("holes/"));
+    return LandmarkMapVerdict(blob);
+  };
+  for (const Verdict& held : {lacks(2, std::nan("")), lacks(5, 10)}) {
+    EXPECT_EQ(held.trust, Confidence::kFair);
+    EXPECT_NE(
+        held.why.find("the odometry of robot lacks 25.0 s from 10.0 s on, some 2.0 m of its way; it lacks "
+                      "more 1 times"),
+        std::string::npos)
+        << held.why;
+  }
+  for (const Verdict& loose : {lacks(1, std::nan("")), lacks(5, 9.9)}) {
+    EXPECT_EQ(loose.trust, Confidence::kLow);
+    EXPECT_NE(
+        loose.why.find("lacks 20.1 s from 140.0 s on, some 6.0 m of its way, and what it saw before and "
+                       "after has too little in common"),
+        std::string::npos)
+        << loose.why;
+  }
+}
+
+// As many robots as leads; below 0: another place, or none, is likelier.
+Verdict WithLeads(const std::vector<double>& lead_nats) {
+  Blob map = FittedMap(200, 0, 0, 0);
+  std::vector<std::string> robots;
+  for (std::size_t r = 0; r < lead_nats.size(); ++r) {
+    const std::string prefix = "robot/" + std::to_string(r) + "/";
+    robots.push_back("rob" + std::to_string(r));
+    map.PutVector<std::int32_t>(prefix + "observations/map_landmark", {0, 0});
+    if (std::isnan(lead_nats[r])) continue;
+    map.PutScalar<std::int64_t>(prefix + "shared_landmarks", 3);
+    map.PutScalar<std::int64_t>(prefix + "one_sided_landmarks", 11);
+    map.PutScalar<double>(prefix + "place_lead_nats", lead_nats[r]);
+  }
+  map.Put("robots", Array::Texts(robots));
+  return LandmarkMapVerdict(map);
+}
+
+TEST(LandmarkMapVerdict, ARobotWhosePlaceIsUncertainIsNamed) {
+  const Verdict loose = WithLeads({-25.6, -25.6});
+  EXPECT_EQ(loose.trust, Confidence::kLow);
+  EXPECT_NE(loose.why.find("; where rob1 is in the map of the others is uncertain: 3 landmarks in common, 11 "
+                           "that one side alone has seen though the other looked there, 25.6 nats behind the "
+                           "next place or none; the path of each robot alone may be right"),
+            std::string::npos)
+      << loose.why;
+  EXPECT_NE(WithLeads({5.0, 40.0, 9.9}).why.find("where rob0, rob2 is in"), std::string::npos);
+  EXPECT_NE(WithLeads({5.0, 40.0, 9.9}).why.find("5.0 nats ahead of the next place"), std::string::npos);
+  for (const Verdict& tied : {WithLeads({10.0, 10.0}), WithLeads({std::nan(""), std::nan("")})}) {
+    EXPECT_GE(tied.trust, Confidence::kFair);
+    EXPECT_EQ(tied.why.find("uncertain"), std::string::npos) << tied.why;
+  }
+}
+
+TEST(LandmarkMapVerdict, WhereMostObservationsAreOfNoLandmarkItIsLow) {
+  const auto explained = [](std::vector<std::int32_t> landmark) {
+    Blob map = FittedMap(200, 0, 0, 0);
+    map.PutVector("robot/0/observations/map_landmark", std::move(landmark));
+    return LandmarkMapVerdict(map);
+  };
+  EXPECT_EQ(explained({0, 0, -1, -1}).trust, Confidence::kFair);
+  const Verdict noise = explained({0, -1, -1});
+  EXPECT_EQ(noise.trust, Confidence::kLow);
+  EXPECT_NE(noise.why.find("2 of 3 observations are of none of its landmarks"), std::string::npos)
+      << noise.why;
+}
+
+TEST(LandmarkMapVerdict, DataThatNoPathExplainsAreLow) {
+  Blob map;
+  map.PutScalar<std::uint8_t>("refinement/done", 0);
+  map.Put("refinement/reason", Array::Text("refused: odometry's ways or turns would be wrong by half"));
+  EXPECT_EQ(
+      TextOf(map),
+      "low: there was no search; refinement was refused: odometry's ways or turns would be wrong by half, "
+      "the landmarks stand where EM left them");
+  map.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
+  EXPECT_EQ(LandmarkMapVerdict(map).trust, Confidence::kNone);
 }
 
 TEST(LandmarkMapVerdict, AVagueMapIsNotHigh) {

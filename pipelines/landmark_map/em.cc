@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pipelines/common/handed_over.h"
@@ -12,6 +13,7 @@
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/m_step_task.h"
 #include "pipelines/landmark_map/model/work.h"
+#include "pipelines/landmark_map/refined_map.h"
 #include "pipelines/landmark_map/refinement/contradictions.h"
 #include "pipelines/landmark_map/refinement/refine.h"
 #include "pipelines/landmark_map/result.h"
@@ -169,6 +171,35 @@ cairn::Step SummaryUnder(const Options& options, const std::vector<Landmark>& la
   return step;
 }
 
+// EM goes on from the map in which a robot was placed anew: each is found in it by itself.
+cairn::Step MapOfPlacedAnew(const Options& options, const std::vector<Landmark>& landmarks,
+                            const Blob& history, const State& state, const Inputs& inputs) {
+  const std::vector<std::string> robots = inputs.Get("log")->Texts("robots");
+  const Settings settings = Settings::In(*inputs.Get("settings"), options);
+  Schedule schedule = Schedule::Load(state);
+  ++schedule.iteration;
+  schedule.phase = Phase::kMap;
+  schedule.settled = schedule.apart + 1;  // not apart: the map is that of all
+  ++schedule.placed_anew;
+  const LayeredGrid counts = CountsFromLandmarks(landmarks, settings);
+  RequireMemory("the M-step", MStepBytes(counts, settings.map), settings.memory_mb);
+  const Perception perception = MakePerception(MapFromCounts(counts, settings.map), settings.map);
+  RobotStates robot_states = RobotStates::Load(state, robots.size());
+  for (std::size_t r = 0; r < robots.size(); ++r)
+    robot_states.work[r] =
+        WorkWhereLost(static_cast<int>(robot_states.step_counts[r]), settings.Model(&perception));
+  std::map<std::string, Blob> fresh{{"history", history},
+                                    {"counts", StoredCounts(counts)},
+                                    {"perception", BlobOf(perception)},
+                                    {"landmarks", BlobOf(landmarks)}};
+  if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
+  cairn::Step step;
+  PlanRound(options, robots, schedule, robot_states, fresh, &step);
+  step.plan.set_note(
+      "a robot's landmarks agree better with the others' in another place: all are found anew");
+  return step;
+}
+
 }  // namespace
 
 cairn::Step AdvanceEm(const Options& options, const State& state, Partials& partials, const Inputs& inputs) {
@@ -217,8 +248,13 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
         not_refined = "refused: " + refined.refused;
       }
     }
-    return MakeResult(*log, settings, inputs, sum, robot_states.odometry, history, not_refined, at_a_distance,
-                      in_two_places);
+    RefinedMap map = RefineMapOf(*log, settings, inputs, sum, robot_states.odometry, not_refined,
+                                 at_a_distance, in_two_places);
+    if (done.placed_anew < Schedule::kMostPlacedAnew) {
+      if (const auto landmarks = PlacedAnew(*log, map, settings))
+        return MapOfPlacedAnew(options, *landmarks, history, state, inputs);
+    }
+    return MakeResult(*log, settings, inputs, sum, robot_states.odometry, history, std::move(map));
   }
 
   if (options.calibrate) {

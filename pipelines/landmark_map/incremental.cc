@@ -107,9 +107,12 @@ cairn::Step IncrementalResult(const Options& options, const State& state, Partia
   RoundSum sum(settings, 1);
   sum.Add(*partial);
   const Found found(inputs, partial->Sub("landmarks/"), StoredCounts(sum.counts()));
-  return MakeResult(*inputs.Get("log"), settings, found, sum, RobotStates::Load(state, 1).odometry,
+  const std::vector<OdometryFit> odometry = RobotStates::Load(state, 1).odometry;
+  const BlobPtr log = inputs.Get("log");
+  return MakeResult(*log, settings, found, sum, odometry,
                     Extended(*inputs.Get("history"), Schedule::Load(state, 1), sum),
-                    "not tried: the incremental baseline revises nothing", false, {});
+                    RefineMapOf(*log, settings, found, sum, odometry,
+                                "not tried: the incremental baseline revises nothing", false, {}));
 }
 
 void CheckIncremental(const Options& options, const Inputs& inputs) {

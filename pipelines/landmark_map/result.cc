@@ -10,8 +10,6 @@
 #include "pipelines/common/handed_over.h"
 #include "pipelines/common/odometry.h"
 #include "pipelines/landmark_map/estimate.h"
-#include "pipelines/landmark_map/landmarks/image_landmarks.h"
-#include "pipelines/landmark_map/refinement/moved_landmarks.h"
 #include "pipelines/landmark_map/refinement/robot_ties.h"
 #include "pipelines/landmark_map/state/given_map.h"
 #include "schema/geometry.h"
@@ -188,62 +186,6 @@ class PathWriter {
   std::vector<Row> rows_;
 };
 
-// The variances of the steps' positions, an axis.
-void AddPositionVariance(const std::vector<Blob>& summaries, double* sum, double* count) {
-  const std::vector<double> covariance = Joined(summaries, "pose/covariance");
-  for (std::size_t at = 0; at + 9 <= covariance.size(); at += 9) {
-    *sum += 0.5 * (covariance[at] + covariance[at + 4]);
-    ++*count;
-  }
-}
-
-// Leaves out the landmarks without identity; their observations are of none.
-void DropUnidentified(const MapRules& rules, std::vector<Landmark>* landmarks,
-                      std::vector<Associated>* associated) {
-  std::vector<std::int32_t> now;
-  std::vector<Landmark> kept;
-  for (const Landmark& landmark : *landmarks) {
-    const bool stays = landmark.type != rules.types;
-    now.push_back(stays ? static_cast<std::int32_t>(kept.size()) : -1);
-    if (stays) kept.push_back(landmark);
-  }
-  *landmarks = std::move(kept);
-  for (Associated& of : *associated) {
-    for (std::int32_t& landmark : of.landmark)
-      landmark = landmark < 0 ? -1 : now[static_cast<std::size_t>(landmark)];
-  }
-}
-
-// Landmarks without identity that were seen at a distance are found anew, from whole images.
-void FindInImages(const Settings& settings, const std::vector<RobotSteps>& steps, const RoundSum& sum,
-                  const std::vector<OdometryFit>& odometry, std::vector<Landmark>* landmarks,
-                  std::vector<Associated>* associated) {
-  std::vector<ImageObservations> images;
-  double variance_m2 = 0.0, poses = 0.0;
-  for (std::size_t r = 0; r < odometry.size(); ++r) {
-    const std::vector<Blob> summaries = sum.SummariesOf(r);
-    AppendImages(steps[r].WithoutDrift(odometry[r].drift_rad_per_m), settings.map.types, r,
-                 Joined(summaries, "pose/mode_x_m"), Joined(summaries, "pose/mode_y_m"),
-                 Joined(summaries, "pose/mode_heading_rad"), &images);
-    AddPositionVariance(summaries, &variance_m2, &poses);
-  }
-  if (images.empty()) return;
-  DropUnidentified(settings.map, landmarks, associated);
-  const auto first = static_cast<std::int32_t>(landmarks->size());
-  const double sigma_m = std::hypot(settings.map.observation_m, std::sqrt(variance_m2 / poses));
-  const ImageLandmarks found =
-      FindImageLandmarks(images, {sigma_m, settings.map.grid.cell_m, settings.map.types});
-  landmarks->insert(landmarks->end(), found.landmarks.begin(), found.landmarks.end());
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    for (std::size_t k = 0; k < images[i].seen.size(); ++k) {
-      Associated& of = (*associated)[images[i].robot];
-      const auto at = static_cast<std::size_t>(images[i].observation[k]);
-      of.landmark[at] = found.landmark[i][k] < 0 ? -1 : first + found.landmark[i][k];
-      of.probability[at] = found.probability[i][k];
-    }
-  }
-}
-
 void PutAssociations(const RowAssociations& rows, const std::string& prefix, Blob* result) {
   result->PutVector(prefix + "map_landmark", rows.landmark);
   result->PutVector(prefix + "probability", rows.probability);
@@ -297,43 +239,11 @@ void PutLandmarks(const std::vector<Landmark>& landmarks, const MapRules& rules,
   result->PutVector("map/landmark_type", landmark_class);
 }
 
-// A given map that no iteration has touched.
-bool IsGivenMap(const Inputs& inputs, const LayeredGrid& counts) {
-  return inputs.Has("map") && counts.cells() == 0;
-}
-
 // Of the last M-step's counts; where there was none, the given map.
 LayeredGrid FinalMap(const Blob& log, const Settings& settings, const Inputs& inputs,
                      const LayeredGrid& counts) {
   if (IsGivenMap(inputs, counts)) return ReadGivenMap(*inputs.Get("map"), log, settings).map;
   return MapFromCounts(counts, settings.map);
-}
-
-}  // namespace
-
-namespace {
-
-// The steps of all robots; they are of this log's rows.
-std::vector<RobotSteps> StepsIn(const kinds::Log& log, const Settings& settings, const Inputs& inputs) {
-  RequireSize("the map's identities", static_cast<std::size_t>(settings.map.types), log.landmarks.size());
-  std::vector<RobotSteps> steps;
-  for (std::size_t r = 0; r < log.robot.size(); ++r) {
-    steps.push_back(RobotSteps::In(*inputs.Get("steps/" + std::to_string(r)), settings.map.layers(),
-                                   settings.map.grid.cell_m));
-    RequireSize("row_observation", steps.back().row_observation.size(),
-                log.robot[r].observations.time_s.size());
-  }
-  return steps;
-}
-
-LayeredGrid CountsIn(const Inputs& inputs, const Settings& settings) {
-  LayeredGrid counts = LayeredGrid::Load("counts/", *inputs.Get("counts"));
-  CheckCounts(counts, settings.map);
-  Box box;
-  for (const Layer& layer : counts.layers) box = Union(box, layer.box);
-  RequireMemory("the map", sizeof(double) * static_cast<double>(box.cells()), settings.memory_mb);
-  RequireMemory("the M-step", MStepBytes(counts, settings.map), settings.memory_mb);
-  return counts;
 }
 
 }  // namespace
@@ -351,31 +261,13 @@ Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum) {
 }
 
 Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
-                const std::vector<OdometryFit>& odometry, const Blob& history, std::string not_refined,
-                bool jointly, const std::vector<InTwoPlaces>& in_two_places) {
+                const std::vector<OdometryFit>& odometry, const Blob& history, RefinedMap map) {
   const auto log = Read<kinds::Log>(blob);
   const std::vector<std::string>& robots = log.robots;
-  const std::vector<RobotSteps> steps = StepsIn(log, settings, inputs);
-  std::vector<Landmark> landmarks = LandmarksIn(*inputs.Get("landmarks"), settings.map);
-  std::vector<AssociatedPath> paths = AssociatedPaths(sum, steps, odometry, landmarks.size());
-  std::vector<Associated> associated = ColumnOf(paths, &AssociatedPath::associated);
   const LayeredGrid counts = CountsIn(inputs, settings);
-  // Which class a landmark is of only the counts tell.
-  if (settings.map.classes.count == 1 && !IsGivenMap(inputs, counts) && !settings.incremental) {
-    FindInImages(settings, steps, sum, odometry, &landmarks, &associated);
-  }
-  std::vector<RowAssociations> rows;
-  for (std::size_t r = 0; r < robots.size(); ++r) {
-    paths[r].associated = associated[r];
-    rows.push_back(RowsOfEm(paths[r]));
-  }
-  std::vector<Landmark> found = landmarks;
-  JointRefinement refined;
-  const bool refines = jointly && not_refined.empty();
-  const std::vector<MovedLandmark> moved =
-      RefineAllThatStayed(blob, paths, settings, in_two_places, refines, &found, &rows, &refined);
-  if (refines) landmarks = refined.landmarks;
-  if (!refined.refused.empty()) not_refined = "refused: " + refined.refused;
+  const std::vector<RobotSteps>& steps = map.steps;
+  std::vector<Landmark>& landmarks = map.landmarks;
+  const JointRefinement& refined = map.refined;
   Blob result;
   result.Put("robots", log.robots.array());
   result.Put("landmarks", log.landmarks.array());
@@ -388,7 +280,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
     PathWriter(steps[r], track, summaries, odometry[r].drift_rad_per_m, 0.5 * settings.map.grid.cell_m,
                settings.steps.until_s, refined.paths.empty() ? nullptr : &refined.paths[r])
         .Write(prefix + "poses/", &result);
-    PutAssociations(rows[r], prefix + "observations/", &result);
+    PutAssociations(map.rows[r], prefix + "observations/", &result);
     PutBeliefs(steps[r], summaries, settings, prefix + "beliefs/", &result);
     const double drift_rad_per_m =
         refined.paths.empty() ? odometry[r].drift_rad_per_m : refined.paths[r].errors().drift_rad_per_m;
@@ -409,15 +301,15 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   }
   PutLandmarks(landmarks, settings.map, &result);
   const LayeredGrid final_counts =
-      refined.paths.empty() ? counts : Recentred(counts, found, landmarks, settings);
+      refined.paths.empty() ? counts : Recentred(counts, map.found, landmarks, settings);
   PutMap(FinalMap(blob, settings, inputs, final_counts), settings.map, &result);
   result.PutAll("history/", history);
-  result.PutScalar<std::uint8_t>("refinement/done", not_refined.empty() ? 1 : 0);
-  result.Put("refinement/reason", Array::Text(not_refined));
+  result.PutScalar<std::uint8_t>("refinement/done", map.not_refined.empty() ? 1 : 0);
+  result.Put("refinement/reason", Array::Text(map.not_refined));
   if (!refined.paths.empty())
     result.PutAll("fit/", refined.fit.ToBlob(refined.landmarks, settings.map.types));
-  PutTies(blob, refined, rows, settings, &result);
-  if (!moved.empty()) result.PutAll("moved/", BlobOf(moved));
+  PutTies(blob, refined, map.rows, settings, &result);
+  if (!map.moved.empty()) result.PutAll("moved/", BlobOf(map.moved));
   if (inputs.Has("search")) result.PutAll("search/", *inputs.Get("search"));
   Step step;
   step.plan.set_result(step.Share(std::move(result)));

@@ -1,10 +1,9 @@
 // The stage's result (schema/FORMAT.md, landmark_map) from the last E-step's summaries.
 #pragma once
 
-#include <string>
 #include <vector>
 
-#include "pipelines/landmark_map/refinement/contradictions.h"
+#include "pipelines/landmark_map/refined_map.h"
 #include "pipelines/landmark_map/state/partial.h"
 #include "pipelines/landmark_map/state/schedule.h"
 #include "pipelines/pipeline.h"
@@ -15,12 +14,9 @@ namespace cairn::landmark_map {
 Blob EmptyHistory();
 Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum);
 
-// The step that ends the stage. Inputs: the state's blobs landmarks, counts, steps/N, and where EM made no
-// iteration the stage's map. `not_refined`: why the landmarks are not those of the least squares; empty: they
-// are, or, `jointly`, are to be, and so are all paths. Throws InputError where a landmark stays
-// `in_two_places`.
+// The step that ends the stage. Inputs: the state's blob counts, and where EM made no iteration the stage's
+// map.
 Step MakeResult(const Blob& log, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
-                const std::vector<OdometryFit>& odometry, const Blob& history, std::string not_refined,
-                bool jointly, const std::vector<InTwoPlaces>& in_two_places);
+                const std::vector<OdometryFit>& odometry, const Blob& history, RefinedMap map);
 
 }  // namespace cairn::landmark_map

@@ -69,6 +69,47 @@ TEST(OdometryHoles, AreNoneWhereALandmarkIsSeenWhereItWas) {
   EXPECT_EQ(OdometryHolesOf(LogThatSees(5, {8, 8.1, 7.9})).size(), 1U);
 }
 
+// A row and an observation of range and bearing each second or oftener, but none from 20 to 30 s: the last
+// before and the first after see a landmark at these ranges. `after_mps`: how fast it goes on.
+Blob LogThatPauses(double before_m, double after_m, double travelled_m = 0.02, double after_mps = 0.5) {
+  Blob log = LogWithHole(travelled_m, {});
+  std::vector<double> observed_s, range, forward;
+  for (int i = 0; i <= 60; ++i) {
+    if (i > 19 && i < 31) continue;
+    observed_s.push_back(i + 0.5);
+    range.push_back(i <= 19 ? before_m : after_m);
+  }
+  for (std::size_t i = 0; i < log.Get<double>("robot/0/odometry/forward_m").size(); ++i)
+    forward.push_back(i > 201 ? 0.1 * after_mps : log.Get<double>("robot/0/odometry/forward_m")[i]);
+  log.PutVector("robot/0/odometry/forward_m", forward);
+  log.PutVector("robot/0/observations/time_s", observed_s);
+  log.PutVector("robot/0/observations/range_m", range);
+  log.PutVector("robot/0/observations/bearing_rad", std::vector<double>(range.size(), 0.1));
+  log.PutVector("robot/0/observations/landmark", std::vector<std::int32_t>(range.size(), -1));
+  return log;
+}
+
+TEST(OdometryHoles, WhereNeitherWasRecordedAreNamedIfItSeesOtherThingsAfter) {
+  const std::vector<std::string> texts = OdometryHolesOf(LogThatPauses(8, 3));
+  ASSERT_EQ(texts.size(), 1U);
+  ExpectSays(texts.front(),
+             "robot 'anna': its log lacks 10 s from 20 s on (rows are 0.1 s apart), in which it "
+             "moved, for it sees other things after (was the recorder paused?); of what it "
+             "travelled some 5 m are missing");
+  const std::vector<OdometryHole> holes = FindOdometryHoles(LogThatPauses(8, 3));
+  ASSERT_EQ(holes.size(), 1U);
+  EXPECT_NEAR(holes[0].begin_s, 20, 1e-9);
+  EXPECT_NEAR(holes[0].length_s, 10, 1e-9);
+  EXPECT_NEAR(holes[0].missing_m, 4.98, 0.01);
+  EXPECT_EQ(holes[0].observations, 0);
+}
+
+TEST(OdometryHoles, AreNoneWhereNothingWasRecordedAndItStoodOrARowTells) {
+  EXPECT_TRUE(FindOdometryHoles(LogThatPauses(8, 7.8)).empty()) << "it sees what it saw";
+  EXPECT_TRUE(FindOdometryHoles(LogThatPauses(8, 3, 5)).empty()) << "the row after says how far it went";
+  EXPECT_TRUE(FindOdometryHoles(LogThatPauses(8, 3, 0.02, 0.01)).empty()) << "it came to rest";
+}
+
 TEST(OdometryHoles, AreNoneWhereItStoodStillOrObservedNothing) {
   EXPECT_TRUE(OdometryHolesOf(LogWithHole(0, {22, 25})).empty());
   EXPECT_TRUE(OdometryHolesOf(LogWithHole(5, {19, 31})).empty());

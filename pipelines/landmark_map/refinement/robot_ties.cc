@@ -21,30 +21,67 @@ Submap SubmapOfRobots(const Rows& rows, const Robots& robots) {
   return SubmapOf(of);
 }
 
+// Names of two landmarks or more say how two submaps lie to one another.
+bool NamesInCommon(const Submap& one, const Submap& base, const std::vector<bool>& named) {
+  constexpr std::int64_t kEnough = 2;
+  return std::ranges::count_if(one.landmarks, [&](const Submap::Seen& seen) {
+           return named[static_cast<std::size_t>(seen.landmark)] &&
+                  std::ranges::find(base.landmarks, seen.landmark, &Submap::Seen::landmark) !=
+                      base.landmarks.end();
+         }) >= kEnough;
+}
+
 Tie TieOf(const Submap& one, const Submap& base, const std::vector<bool>& named, double sigma_m) {
-  constexpr std::int64_t kEnoughNames = 2;
   Tie tie;
-  std::int64_t names = 0;
-  for (const Submap::Seen& seen : one.landmarks) {
-    if (std::ranges::find(base.landmarks, seen.landmark, &Submap::Seen::landmark) == base.landmarks.end())
-      continue;
-    ++tie.shared;
-    names += named[static_cast<std::size_t>(seen.landmark)] ? 1 : 0;
-  }
-  if (names >= kEnoughNames) return tie;
+  tie.shared = std::ranges::count_if(one.landmarks, [&](const Submap::Seen& seen) {
+    return std::ranges::find(base.landmarks, seen.landmark, &Submap::Seen::landmark) != base.landmarks.end();
+  });
+  if (NamesInCommon(one, base, named)) return tie;
   const Placings placings = FindPlacings(one, base, sigma_m);
   tie.one_sided = static_cast<std::int64_t>(placings.here.contradicted);
   tie.lead_nats = placings.LeadNats();
   return tie;
 }
 
+std::vector<bool> Named(const std::vector<Landmark>& landmarks, int names) {
+  std::vector<bool> named;
+  for (const Landmark& landmark : landmarks) named.push_back(landmark.type < names);
+  return named;
+}
+
+// The landmarks of both submaps, those of the one moved; what they have in common then is one landmark.
+std::vector<Landmark> Joined(const Submap& one, const Submap& base, const Placing& placing,
+                             const std::vector<Landmark>& landmarks, double sigma_m) {
+  std::vector<Landmark> joined;
+  const auto add = [&](const Submap::Seen& seen, Point at) {
+    Landmark landmark = landmarks[static_cast<std::size_t>(seen.landmark)];
+    landmark.x_m = at.x_m;
+    landmark.y_m = at.y_m;
+    landmark.count = static_cast<double>(seen.count);
+    landmark.covariance_m2[0] = landmark.covariance_m2[3] = sigma_m * sigma_m / 2;
+    landmark.covariance_m2[1] = landmark.covariance_m2[2] = 0;
+    joined.push_back(landmark);
+  };
+  for (const Submap::Seen& seen : base.landmarks) add(seen, {seen.x_m, seen.y_m});
+  for (std::size_t i = 0; i < one.landmarks.size(); ++i) {
+    const Submap::Seen& seen = one.landmarks[i];
+    const Pose moved = Compose(placing.at, {seen.x_m, seen.y_m, 0});
+    const auto pair = std::ranges::find(placing.pairs, i, &std::pair<std::size_t, std::size_t>::first);
+    if (pair == placing.pairs.end()) {
+      add(seen, {moved.x_m, moved.y_m});
+      continue;
+    }
+    Landmark& both = joined[pair->second];
+    const double share = static_cast<double>(seen.count) / (both.count + static_cast<double>(seen.count));
+    both.x_m += share * (moved.x_m - both.x_m);
+    both.y_m += share * (moved.y_m - both.y_m);
+    both.count += static_cast<double>(seen.count);
+  }
+  return joined;
+}
+
 bool HoldTogether(const Submap& one, const Submap& base, const std::vector<bool>& named, double sigma_m) {
-  constexpr std::int64_t kEnoughNames = 2;
-  const auto shared = std::ranges::count_if(one.landmarks, [&](const Submap::Seen& seen) {
-    return named[static_cast<std::size_t>(seen.landmark)] &&
-           std::ranges::find(base.landmarks, seen.landmark, &Submap::Seen::landmark) != base.landmarks.end();
-  });
-  return shared >= kEnoughNames || PlacingHere(one, base, sigma_m).nats >= kTiedNats;
+  return NamesInCommon(one, base, named) || PlacingHere(one, base, sigma_m).nats >= kTiedNats;
 }
 
 // Of robots each of which holds together with those before it.
@@ -67,6 +104,12 @@ std::vector<Robots> GroupsOf(const Rows& rows, const std::vector<bool>& named, d
     }
   }
   return groups;
+}
+
+Robots Without(const Robots& robots, std::size_t robot) {
+  Robots others = robots;
+  std::erase(others, robot);
+  return others;
 }
 
 }  // namespace
@@ -116,11 +159,35 @@ std::vector<Tie> TiesOfRobots(const Rows& rows, const std::vector<bool>& named, 
   }
   for (const std::size_t r : most) {
     if (most.size() == 1) continue;  // the others are tied to it
-    Robots others = most;
-    std::erase(others, r);
-    ties[r] = TieOf(SubmapOfRobots(rows, {r}), SubmapOfRobots(rows, others), named, sigma_m);
+    ties[r] = TieOf(SubmapOfRobots(rows, {r}), SubmapOfRobots(rows, Without(most, r)), named, sigma_m);
   }
   return ties;
+}
+
+std::optional<std::vector<Landmark>> PlacedAnew(const Rows& rows, const std::vector<Landmark>& landmarks,
+                                                int names, double sigma_m) {
+  const std::vector<bool> named = Named(landmarks, names);
+  std::vector<Robots> groups = GroupsOf(rows, named, sigma_m);
+  const Robots most = *std::ranges::max_element(groups, {}, &Robots::size);
+  // Those that do not hang together with the most; else each among the others.
+  std::erase(groups, most);
+  if (groups.empty() && most.size() > 1)
+    for (const std::size_t r : most) groups.push_back({r});
+  std::optional<std::vector<Landmark>> best;
+  double most_nats = kTiedNats;
+  for (const Robots& group : groups) {
+    Robots others(rows.size());
+    std::iota(others.begin(), others.end(), std::size_t{0});
+    for (const std::size_t r : group) others = Without(others, r);
+    const Submap one = SubmapOfRobots(rows, group), base = SubmapOfRobots(rows, others);
+    const Placings placings = FindPlacings(one, base, sigma_m);
+    if (NamesInCommon(one, base, named) || !placings.other) continue;
+    const double nats = placings.other->nats - std::max(0.0, placings.here.nats);
+    if (nats < most_nats) continue;
+    most_nats = nats;
+    best = Joined(one, base, *placings.other, landmarks, sigma_m);
+  }
+  return best;
 }
 
 Tie TieAcross(const OdometryHole& hole, const std::vector<PlacedRow>& rows, const std::vector<bool>& named,
@@ -137,8 +204,7 @@ void PutTies(const Blob& blob, const JointRefinement& refined, const std::vector
   const auto log = Read<kinds::Log>(blob);
   const Rows placed = PlacedRows(log, refined, rows, settings.steps.until_s);
   const double sigma_m = TieSigma_m(placed, refined.fit);
-  std::vector<bool> named;
-  for (const Landmark& landmark : refined.landmarks) named.push_back(landmark.type < settings.map.types);
+  const std::vector<bool> named = Named(refined.landmarks, settings.map.types);
   if (!(sigma_m > 0)) return;  // contact detections alone
   const std::vector<Tie> ties = TiesOfRobots(placed, named, sigma_m);
   for (std::size_t r = 0; r < ties.size() && ties.size() > 1; ++r) {

@@ -39,6 +39,12 @@ double TieSigma_m(const std::vector<std::vector<PlacedRow>>& rows, const ModelFi
 std::vector<Tie> TiesOfRobots(const std::vector<std::vector<PlacedRow>>& rows, const std::vector<bool>& named,
                               double sigma_m);
 
+// Robots that hold less together as they are than with one of them, or some that hang together, in another
+// place, by kTiedNats nats: all landmarks, where they are then. None where there are no such robots.
+std::optional<std::vector<Landmark>> PlacedAnew(const std::vector<std::vector<PlacedRow>>& rows,
+                                                const std::vector<Landmark>& landmarks, int names,
+                                                double sigma_m);
+
 // Of what a robot saw before a hole to what it saw after.
 Tie TieAcross(const OdometryHole& hole, const std::vector<PlacedRow>& rows, const std::vector<bool>& named,
               double sigma_m);

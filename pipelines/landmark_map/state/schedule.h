@@ -32,6 +32,10 @@ struct Schedule {
   double log_likelihood = 0.0;  // of the iteration before
   double growth = 2.0;          // factor on the prefix an iteration
   std::int64_t apart = 0;       // iterations after the others joined in which each looks at others' map alone
+  std::int64_t placed_anew = 0;  // how often a robot was, once all had settled
+
+  // What a robot in a wrong place has bent may take more than one round to come right.
+  static constexpr std::int64_t kMostPlacedAnew = 3;
 
   bool summarises() const { return phase != Phase::kMap; }
   bool is_refined() const { return phase == Phase::kRefinedSummary; }
@@ -51,6 +55,7 @@ struct Schedule {
     field("log_likelihood", &Schedule::log_likelihood);
     field("growth", &Schedule::growth);
     field("apart", &Schedule::apart);
+    field("placed_anew", &Schedule::placed_anew);
   }
   // After an E-step that found `log_likelihood_now` for so many observations. EM has settled where it changed
   // by less than `tolerance` an observation: a share of the whole would depend on the unit of densities.

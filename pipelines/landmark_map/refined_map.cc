@@ -1,0 +1,137 @@
+#include "pipelines/landmark_map/refined_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "pipelines/common/handed_over.h"
+#include "pipelines/landmark_map/landmarks/image_landmarks.h"
+#include "pipelines/landmark_map/model/m_step.h"
+#include "pipelines/landmark_map/refinement/robot_ties.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+// The variances of the steps' positions, an axis.
+void AddPositionVariance(const std::vector<Blob>& summaries, double* sum, double* count) {
+  const std::vector<double> covariance = Joined(summaries, "pose/covariance");
+  for (std::size_t at = 0; at + 9 <= covariance.size(); at += 9) {
+    *sum += 0.5 * (covariance[at] + covariance[at + 4]);
+    ++*count;
+  }
+}
+
+// Leaves out the landmarks without identity; their observations are of none.
+void DropUnidentified(const MapRules& rules, std::vector<Landmark>* landmarks,
+                      std::vector<Associated>* associated) {
+  std::vector<std::int32_t> now;
+  std::vector<Landmark> kept;
+  for (const Landmark& landmark : *landmarks) {
+    const bool stays = landmark.type != rules.types;
+    now.push_back(stays ? static_cast<std::int32_t>(kept.size()) : -1);
+    if (stays) kept.push_back(landmark);
+  }
+  *landmarks = std::move(kept);
+  for (Associated& of : *associated) {
+    for (std::int32_t& landmark : of.landmark)
+      landmark = landmark < 0 ? -1 : now[static_cast<std::size_t>(landmark)];
+  }
+}
+
+// Landmarks without identity that were seen at a distance are found anew, from whole images.
+void FindInImages(const Settings& settings, const std::vector<RobotSteps>& steps, const RoundSum& sum,
+                  const std::vector<OdometryFit>& odometry, std::vector<Landmark>* landmarks,
+                  std::vector<Associated>* associated) {
+  std::vector<ImageObservations> images;
+  double variance_m2 = 0.0, poses = 0.0;
+  for (std::size_t r = 0; r < odometry.size(); ++r) {
+    const std::vector<Blob> summaries = sum.SummariesOf(r);
+    AppendImages(steps[r].WithoutDrift(odometry[r].drift_rad_per_m), settings.map.types, r,
+                 Joined(summaries, "pose/mode_x_m"), Joined(summaries, "pose/mode_y_m"),
+                 Joined(summaries, "pose/mode_heading_rad"), &images);
+    AddPositionVariance(summaries, &variance_m2, &poses);
+  }
+  if (images.empty()) return;
+  DropUnidentified(settings.map, landmarks, associated);
+  const auto first = static_cast<std::int32_t>(landmarks->size());
+  const double sigma_m = std::hypot(settings.map.observation_m, std::sqrt(variance_m2 / poses));
+  const ImageLandmarks found =
+      FindImageLandmarks(images, {sigma_m, settings.map.grid.cell_m, settings.map.types});
+  landmarks->insert(landmarks->end(), found.landmarks.begin(), found.landmarks.end());
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    for (std::size_t k = 0; k < images[i].seen.size(); ++k) {
+      Associated& of = (*associated)[images[i].robot];
+      const auto at = static_cast<std::size_t>(images[i].observation[k]);
+      of.landmark[at] = found.landmark[i][k] < 0 ? -1 : first + found.landmark[i][k];
+      of.probability[at] = found.probability[i][k];
+    }
+  }
+}
+
+// The steps of all robots; they are of this log's rows.
+std::vector<RobotSteps> StepsIn(const kinds::Log& log, const Settings& settings, const Inputs& inputs) {
+  RequireSize("the map's identities", static_cast<std::size_t>(settings.map.types), log.landmarks.size());
+  std::vector<RobotSteps> steps;
+  for (std::size_t r = 0; r < log.robot.size(); ++r) {
+    steps.push_back(RobotSteps::In(*inputs.Get("steps/" + std::to_string(r)), settings.map.layers(),
+                                   settings.map.grid.cell_m));
+    RequireSize("row_observation", steps.back().row_observation.size(),
+                log.robot[r].observations.time_s.size());
+  }
+  return steps;
+}
+
+}  // namespace
+
+LayeredGrid CountsIn(const Inputs& inputs, const Settings& settings) {
+  LayeredGrid counts = LayeredGrid::Load("counts/", *inputs.Get("counts"));
+  CheckCounts(counts, settings.map);
+  Box box;
+  for (const Layer& layer : counts.layers) box = Union(box, layer.box);
+  RequireMemory("the map", sizeof(double) * static_cast<double>(box.cells()), settings.memory_mb);
+  RequireMemory("the M-step", MStepBytes(counts, settings.map), settings.memory_mb);
+  return counts;
+}
+
+bool IsGivenMap(const Inputs& inputs, const LayeredGrid& counts) {
+  return inputs.Has("map") && counts.cells() == 0;
+}
+
+RefinedMap RefineMapOf(const Blob& blob, const Settings& settings, const Inputs& inputs, const RoundSum& sum,
+                       const std::vector<OdometryFit>& odometry, std::string not_refined, bool jointly,
+                       const std::vector<InTwoPlaces>& in_two_places) {
+  const auto log = Read<kinds::Log>(blob);
+  RefinedMap map;
+  map.steps = StepsIn(log, settings, inputs);
+  map.landmarks = LandmarksIn(*inputs.Get("landmarks"), settings.map);
+  std::vector<AssociatedPath> paths = AssociatedPaths(sum, map.steps, odometry, map.landmarks.size());
+  std::vector<Associated> associated = ColumnOf(paths, &AssociatedPath::associated);
+  // Which class a landmark is of only the counts tell.
+  if (settings.map.classes.count == 1 && !IsGivenMap(inputs, CountsIn(inputs, settings)) &&
+      !settings.incremental) {
+    FindInImages(settings, map.steps, sum, odometry, &map.landmarks, &associated);
+  }
+  for (std::size_t r = 0; r < paths.size(); ++r) {
+    paths[r].associated = associated[r];
+    map.rows.push_back(RowsOfEm(paths[r]));
+  }
+  map.found = map.landmarks;
+  const bool refines = jointly && not_refined.empty();
+  map.moved =
+      RefineAllThatStayed(blob, paths, settings, in_two_places, refines, &map.found, &map.rows, &map.refined);
+  if (refines) map.landmarks = map.refined.landmarks;
+  map.not_refined = map.refined.refused.empty() ? std::move(not_refined) : "refused: " + map.refined.refused;
+  return map;
+}
+
+std::optional<std::vector<Landmark>> PlacedAnew(const Blob& blob, const RefinedMap& map,
+                                                const Settings& settings) {
+  if (map.refined.paths.size() < 2 || settings.map.classes.count > 1) return std::nullopt;
+  const auto placed = PlacedRows(Read<kinds::Log>(blob), map.refined, map.rows, settings.steps.until_s);
+  const double sigma_m = TieSigma_m(placed, map.refined.fit);
+  if (!(sigma_m > 0)) return std::nullopt;
+  return PlacedAnew(placed, map.landmarks, settings.map.types, sigma_m);
+}
+
+}  // namespace cairn::landmark_map

@@ -1,0 +1,76 @@
+#include "pipelines/landmark_map/refinement/robot_ties.h"
+
+#include <gtest/gtest.h>
+
+#include "pipelines/landmark_map/refinement/testing.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+constexpr double kTieSigma = 0.15;
+const std::vector<bool> kNameless(40, false), kNames(40, true);
+
+std::vector<Landmark> Nameless() { return std::vector<Landmark>(40, Landmark{0, 0, {0, 0, 0, 0}, 0, 0}); }
+
+TEST(TiesOfRobots, ThatShareARoomAreTied) {
+  const auto ties = TiesOfRobots({DriveThroughRoom(1), DriveThroughRoom(1, 0, 4)}, kNameless, kTieSigma);
+  ASSERT_EQ(ties.size(), 2U);
+  for (const Tie& tie : ties) {
+    EXPECT_EQ(tie.shared, std::int64_t{kSeenInRoom1});
+    EXPECT_EQ(tie.one_sided.value(), 0);
+    EXPECT_GT(tie.lead_nats.value(), kTiedNats);
+  }
+}
+
+// The third one is put upon the others', whose room it never saw.
+TEST(TiesOfRobots, TheOneThatDoesNotHangTogetherWithTheMostIsLoose) {
+  const auto ties = TiesOfRobots({DriveThroughRoom(2, 20), DriveThroughRoom(1), DriveThroughRoom(1, 0, 4)},
+                                 kNameless, kTieSigma);
+  EXPECT_LT(ties[0].lead_nats.value(), 0);
+  EXPECT_EQ(ties[0].shared, 0);
+  EXPECT_GE(ties[0].one_sided.value(), 10);
+  for (const std::size_t r : {1U, 2U}) EXPECT_GT(ties[r].lead_nats.value(), kTiedNats);
+}
+
+TEST(TiesOfRobots, NamesOfTwoLandmarksSayWhereItIs) {
+  const auto ties = TiesOfRobots({DriveThroughRoom(1), DriveThroughRoom(1, 0, 4)}, kNames, kTieSigma);
+  EXPECT_EQ(ties[1].shared, std::int64_t{kSeenInRoom1});
+  EXPECT_FALSE(ties[1].lead_nats.has_value());
+}
+
+TEST(PlacedAnew, ARobotGoesWhereItsLandmarksAgree) {
+  const std::vector<PlacedRow> right = DriveThroughRoom(1);
+  EXPECT_FALSE(PlacedAnew({right, DriveThroughRoom(1, 0, 4)}, Nameless(), 0, kTieSigma).has_value());
+  const auto landmarks =
+      PlacedAnew({right, DriveThroughRoom(1, 20, 4, {3, -2, 0.7})}, Nameless(), 0, kTieSigma);
+  ASSERT_TRUE(landmarks.has_value());
+  const Submap alone = SubmapOf({right});
+  ASSERT_EQ(landmarks->size(), kSeenInRoom1) << "what both have seen is one";
+  for (std::size_t l = 0; l < kSeenInRoom1; ++l) {
+    EXPECT_NEAR((*landmarks)[l].x_m, alone.landmarks[l].x_m, 0.1);
+    EXPECT_NEAR((*landmarks)[l].y_m, alone.landmarks[l].y_m, 0.1);
+  }
+}
+
+TEST(PlacedAnew, ARobotOfAnotherRoomHasNoPlaceToGo) {
+  EXPECT_FALSE(
+      PlacedAnew({DriveThroughRoom(1), DriveThroughRoom(2, 20)}, Nameless(), 0, kTieSigma).has_value());
+}
+
+TEST(TieAcross, TellsWhetherWhatIsSeenAfterIsWhatWasSeenBefore) {
+  std::vector<PlacedRow> rows = DriveThroughRoom(1);
+  const OdometryHole hole{.begin_s = rows.back().time_s + 1, .length_s = 20};
+  const auto then = [&](const std::vector<PlacedRow>& more) {
+    std::vector<PlacedRow> all = rows;
+    for (PlacedRow row : more) {
+      row.time_s += hole.begin_s + hole.length_s;
+      all.push_back(row);
+    }
+    return TieAcross(hole, all, kNameless, kTieSigma);
+  };
+  EXPECT_GT(then(DriveThroughRoom(1, 0, 4)).lead_nats.value(), kTiedNats);
+  EXPECT_LT(then(DriveThroughRoom(2, 20)).lead_nats.value(), 0);
+}
+
+}  // namespace
+}  // namespace cairn::landmark_map
