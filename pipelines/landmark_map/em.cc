@@ -180,7 +180,7 @@ cairn::Step MapOfPlacedAnew(const Options& options, const std::vector<Landmark>&
   ++schedule.iteration;
   schedule.phase = Phase::kMap;
   schedule.settled = schedule.apart + 1;  // not apart: the map is that of all
-  ++schedule.placed_anew;
+  schedule.placed_anew = true;
   const LayeredGrid counts = CountsFromLandmarks(landmarks, settings);
   RequireMemory("the M-step", MStepBytes(counts, settings.map), settings.memory_mb);
   const Perception perception = MakePerception(MapFromCounts(counts, settings.map), settings.map);
@@ -250,7 +250,7 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
     }
     RefinedMap map = RefineMapOf(*log, settings, inputs, sum, robot_states.odometry, not_refined,
                                  at_a_distance, in_two_places);
-    if (done.placed_anew < Schedule::kMostPlacedAnew) {
+    if (!done.placed_anew) {
       if (const auto landmarks = PlacedAnew(*log, map, settings))
         return MapOfPlacedAnew(options, *landmarks, history, state, inputs);
     }

@@ -23,7 +23,6 @@ Schedule Schedule::Load(const State& state, std::size_t all_robots) {
   RequireWithin("the iterations on all data", schedule.settled, 0, kMost);
   RequireWithin("the growth", schedule.growth, 1.001, 1e9);
   RequireWithin("the iterations apart", schedule.apart, 0, kMost);
-  RequireWithin("the times that a robot was placed anew", schedule.placed_anew, 0, kMostPlacedAnew);
   return schedule;
 }
 

@@ -32,10 +32,7 @@ struct Schedule {
   double log_likelihood = 0.0;  // of the iteration before
   double growth = 2.0;          // factor on the prefix an iteration
   std::int64_t apart = 0;       // iterations after the others joined in which each looks at others' map alone
-  std::int64_t placed_anew = 0;  // how often a robot was, once all had settled
-
-  // What a robot in a wrong place has bent may take more than one round to come right.
-  static constexpr std::int64_t kMostPlacedAnew = 3;
+  bool placed_anew = false;     // a robot was, once all had settled: that is done once
 
   bool summarises() const { return phase != Phase::kMap; }
   bool is_refined() const { return phase == Phase::kRefinedSummary; }
