@@ -109,6 +109,8 @@ class Run {
   // Stages of the run that `force` replaces, while their results are still there.
   fs::path ReplacedFile() const { return folder_.dir() / "replaced"; }
   Status Clear();
+  std::vector<fs::path> MadeOf(const std::set<std::string>& stages) const;
+  bool IsInputFile(const fs::path& file) const;
   Status WriteReplaced(const std::set<std::string>& stages) const;
   void RemoveReplaced();
   Status Open();
@@ -146,10 +148,35 @@ Status Run::Clear() {
       if (const auto checkpoint = ReadCheckpoint(folder_.CheckpointFile(job, number)); checkpoint.ok())
         for (const proto::Stage& stage : checkpoint.value().job().stages())
           if (IsPlainName(stage.name())) stages.insert(stage.name());
+  std::set<std::string> with_new = stages;
+  for (const proto::Stage& stage : job_.stages()) with_new.insert(stage.name());
+  for (const fs::path& file : MadeOf(with_new))
+    if (IsInputFile(file))
+      return {Code::kRefused, "'" + file.string() + "' is an input, and would go with the earlier run of " +
+                                  options_.dir + ": name another folder"};
   if (const Status status = WriteReplaced(stages); !status.ok()) return status;
   if (const Status status = folder_.Clear(); !status.ok()) return status;
-  for (const proto::Stage& stage : job_.stages()) stages.insert(stage.name());
-  return WriteReplaced(stages);
+  return WriteReplaced(with_new);
+}
+
+// Results and pages of a run with these stages.
+std::vector<fs::path> Run::MadeOf(const std::set<std::string>& stages) const {
+  std::vector<fs::path> files;
+  for (const char* page : {"map.png", "picture.png", "report.html"}) {
+    files.push_back(fs::path(options_.dir) / page);
+    for (const std::string& stage : stages)
+      if (const fs::path folder = fs::path(options_.dir) / stage; !IsLink(folder))
+        files.push_back(folder / page);
+  }
+  for (const std::string& stage : stages) files.push_back(ResultFile(stage));
+  return files;
+}
+
+bool Run::IsInputFile(const fs::path& file) const {
+  return std::ranges::any_of(options_.input_files, [&](const std::string& input) {
+    std::error_code ignored;  // of files that are not there: not the same
+    return fs::equivalent(file, input, ignored);
+  });
 }
 
 Status Run::WriteReplaced(const std::set<std::string>& stages) const {
@@ -161,17 +188,11 @@ Status Run::WriteReplaced(const std::set<std::string>& stages) const {
 // The new run has a result: what it replaces goes, all together, with the pictures that were made of it.
 void Run::RemoveReplaced() {
   if (Known()->stage == 0 || !fs::exists(ReplacedFile()) || !folder_.IsStillThere().ok()) return;
-  std::set<std::string> stages = ReadStages(ReplacedFile());
-  std::vector<fs::path> files;
-  for (const char* page : {"map.png", "picture.png", "report.html"}) {
-    files.push_back(fs::path(options_.dir) / page);
-    for (const std::string& stage : stages)
-      if (const fs::path folder = fs::path(options_.dir) / stage; !IsLink(folder))
-        files.push_back(folder / page);
-  }
+  const std::set<std::string> stages = ReadStages(ReplacedFile());
+  std::vector<fs::path> files = MadeOf(stages);
   for (std::uint32_t done = 0; done < Known()->stage; ++done)
-    stages.erase(job_.stages(static_cast<int>(done)).name());
-  for (const std::string& stage : stages) files.push_back(ResultFile(stage));
+    std::erase(files, ResultFile(job_.stages(static_cast<int>(done)).name()));
+  std::erase_if(files, [this](const fs::path& file) { return IsInputFile(file); });
   for (const fs::path& file : files) {
     std::error_code error;
     fs::remove(file, error);
@@ -284,7 +305,9 @@ wire::SharedMemory Run::ShareInputs() const {
 EmbeddedResult Run::Do(const std::function<void(const EmbeddedProgress&)>& on_progress,
                        const std::atomic<bool>& stop) {
   if (options_.force)
-    if (const Status status = Clear(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
+    if (const Status status = Clear(); !status.ok())
+      return End(status.code() == Code::kRefused ? EmbeddedEnd::kInputError : EmbeddedEnd::kFailed,
+                 status.message());
   if (const Status status = Open(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
   if (EarlierRunIsWorthless()) {
     server_.reset();

@@ -10,6 +10,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "coordinator/store/log.h"
 #include "schema/blob.h"
@@ -22,6 +23,7 @@ struct EmbeddedOptions {
   int workers = 1;             // processes, at least 1
   std::string worker_program;  // path of cairn-worker
   bool force = false;          // forget an earlier run in dir; its results go when this one has its first
+  std::vector<std::string> input_files;  // which not even `force` may remove: kInputError
   bool plan_only = false;  // stop when the first stage is planned (kStopped): info.note says what it found
   double checkpoint_interval_s = 0.5;   // its workers compute for more than a second in one
   std::uint64_t checkpoint_rounds = 0;  // one every so many rounds instead; 0: by the interval

@@ -199,6 +199,20 @@ exits 0 cairn simulate loop --difficulty base --seed 7 another.h5
 refuses 'made from another log' cairn evaluate done --truth another.h5
 exits 0 cairn evaluate done --truth log.h5
 
+# Nor does a run, of what an earlier one has left, the result that it is made of itself, by whatever name.
+ln -s done/landmark_map.h5 link.h5
+for poses in done/landmark_map.h5 link.h5; do
+  refuses "is an input" cairn run evidence_map log.h5 --input "poses=$poses" --out done --force
+done
+mkdir own
+cp log.h5 own/map.png
+refuses "is an input" cairn run landmark_map own/map.png --out own --force
+cp log.h5 own/job.yaml
+refuses "is an input" cairn map own/job.yaml --out own --force
+cmp -s log.h5 own/map.png || die "a log was lost by force"
+cmp -s log.h5 own/job.yaml || die "a log was overwritten by a job file"
+exits 0 cairn evaluate done --truth log.h5
+
 # Not even by force does a page take the place of what it is made of.
 for input in log.h5 done/landmark_map.h5; do
   cp "$input" before.h5

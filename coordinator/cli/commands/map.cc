@@ -7,6 +7,7 @@
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/job_file/choose.h"
+#include "coordinator/cli/output/path.h"
 #include "coordinator/store/job_yaml.h"
 #include "datasets/common/text_file.h"
 #include "datasets/import/recognize.h"
@@ -93,6 +94,7 @@ int Map(const MapArguments& options, const Invocation& call) {
   const fs::path file = fs::path(run.out) / "job.yaml";
   const std::string text = JobFileText(chosen);
   if (IsNoFile(file)) throw InputError("'" + file.string() + "' is a device, a pipe or a socket");
+  CheckOutputIsNoInput(file.string(), {options.log});
   if (!run.force) CheckJobFileIsOurs(file, text);
   if (!run.json)
     for (const std::string& reason : chosen.reasons) std::fprintf(stderr, "%s\n", Escaped(reason).c_str());

@@ -125,6 +125,7 @@ int RunJob(const RunArguments& options, ParsedJob parsed, const Invocation& call
   embedded.checkpoint_interval_s = options.checkpoint_interval_s;
   embedded.checkpoint_rounds = options.checkpoint_rounds;
   embedded.force = options.force;
+  for (const auto& [name, input] : parsed.inputs) embedded.input_files.push_back(input.path);
   const std::vector<std::string> stages = StageNames(parsed.job);
   CheckResultsReplaceNoInput(embedded.dir, stages, parsed);
   if (!options.force) CheckPagesAreOurs(embedded.dir, stages, std::nullopt);
