@@ -33,40 +33,70 @@ struct Tie {
   bool x = true, y = true;
 };
 
-// Of the time from the first span's start to the last one's end, without a tenth at either end.
-WeakestTime FindWeakestTime(const std::vector<Span>& spans) {
-  constexpr double kEnds = 0.1;
-  std::vector<std::pair<double, int>> changes;
-  double first_s = spans.front().first, last_s = spans.front().second;
+// When `spans` begin and end, without a share of it at either end.
+Span Within(const std::vector<Span>& spans, double ends) {
+  Span whole = spans.front();
+  for (const auto& [from_s, to_s] : spans)
+    whole = {std::min(whole.first, from_s), std::max(whole.second, to_s)};
+  return {std::lerp(whole.first, whole.second, ends), std::lerp(whole.first, whole.second, 1 - ends)};
+}
+
+// No span can go over the first and the last metres; the time of a tenth of the way, but no more than so far.
+Span WithoutEnds(const std::vector<Span>& spans, const kinds::PoseTable& poses) {
+  constexpr double kEnds = 0.1, kMost_m = 8;
+  const Span whole = Within(spans, 0), inner = Within(spans, kEnds);
+  Span without = whole;
+  const std::size_t count = poses.time_s.OrNone().size();
+  const auto step_m = [&](std::size_t i) {
+    return std::hypot(poses.x_m[i] - poses.x_m[i - 1], poses.y_m[i] - poses.y_m[i - 1]);
+  };
+  double way_m = 0;
+  for (std::size_t i = 1; i < count && way_m < kMost_m; ++i) {
+    if (poses.time_s[i] > whole.first) way_m += step_m(i);
+    without.first = std::max(whole.first, poses.time_s[i]);
+  }
+  way_m = 0;
+  for (std::size_t i = count; i-- > 1 && way_m < kMost_m;) {
+    if (poses.time_s[i - 1] < whole.second) way_m += step_m(i);
+    without.second = std::min(whole.second, poses.time_s[i - 1]);
+  }
+  if (count < 2) return inner;
+  return {std::min(without.first, inner.first), std::max(without.second, inner.second)};
+}
+
+WeakestTime FindWeakestTime(const std::vector<Span>& spans, const Span& when) {
+  std::vector<std::pair<double, int>> changes{{when.first, 0}, {when.second, 0}};
   for (const auto& [from_s, to_s] : spans) {
     changes.emplace_back(from_s, 1);
     changes.emplace_back(to_s, -1);
-    first_s = std::min(first_s, from_s);
-    last_s = std::max(last_s, to_s);
   }
   std::ranges::sort(changes);
-  const double begin_s = std::lerp(first_s, last_s, kEnds), end_s = std::lerp(first_s, last_s, 1 - kEnds);
-  WeakestTime weakest{begin_s, spans.size()};
+  WeakestTime weakest{when.first, spans.size()};
   std::ptrdiff_t over = 0;
   for (std::size_t i = 0; i + 1 < changes.size(); ++i) {
     over += changes[i].second;
-    const bool within = changes[i + 1].first > begin_s && changes[i].first < end_s;
+    const bool within = changes[i + 1].first > when.first && changes[i].first < when.second;
     if (!within || changes[i].first == changes[i + 1].first ||
         static_cast<std::size_t>(over) >= weakest.spans)
       continue;
-    weakest = {std::max(begin_s, changes[i].first), static_cast<std::size_t>(over)};
+    weakest = {std::max(when.first, changes[i].first), static_cast<std::size_t>(over)};
   }
   return weakest;
 }
 
-// Of those that tell the distance along that axis which fewer tell.
+// Of those that tell the distance along that axis which fewer tell, over the same time as of all, without a
+// tenth at either end: few rooms and corridors show soon how far along them a robot is.
 WeakestTime FindWeakestAxis(const std::vector<Tie>& ties) {
-  WeakestTime weakest{0, ties.size()};
+  constexpr double kEnds = 0.1;
+  std::vector<Span> all;
+  for (const Tie& tie : ties) all.push_back(tie.span);
+  const Span when = Within(all, kEnds);
+  WeakestTime weakest{when.first, ties.size()};
   for (const bool Tie::* axis : {&Tie::x, &Tie::y}) {
     std::vector<Span> spans;
     for (const Tie& tie : ties)
       if (tie.*axis) spans.push_back(tie.span);
-    const WeakestTime time = spans.empty() ? WeakestTime{ties.front().span.first, 0} : FindWeakestTime(spans);
+    const WeakestTime time = FindWeakestTime(spans, when);
     if (time.spans < weakest.spans) weakest = time;
   }
   return weakest;
@@ -171,13 +201,15 @@ struct Weakest {
   WeakestTime time, along_axis;
 };
 
-Weakest FindWeakest(const Loops& loops) {
+Weakest FindWeakest(const kinds::LocalMap& map, const Loops& loops) {
   Weakest weakest{{0, loops.all}, {0, loops.all}};
-  for (const std::vector<Tie>& of_robot : loops.closed) {
+  for (std::size_t r = 0; r < loops.closed.size(); ++r) {
+    const std::vector<Tie>& of_robot = loops.closed[r];
     if (of_robot.empty()) continue;
     std::vector<Span> spans;
     for (const Tie& tie : of_robot) spans.push_back(tie.span);
-    if (const WeakestTime time = FindWeakestTime(spans); time.spans < weakest.time.spans) weakest.time = time;
+    const WeakestTime least = FindWeakestTime(spans, WithoutEnds(spans, map.robot[r].poses));
+    if (least.spans < weakest.time.spans) weakest.time = least;
     if (const WeakestTime time = FindWeakestAxis(of_robot); time.spans < weakest.along_axis.spans)
       weakest.along_axis = time;
   }
@@ -225,6 +257,72 @@ void JudgeWalls(const kinds::LocalMap& map, Verdict* verdict) {
   }
 }
 
+constexpr double kDegree = std::numbers::pi / 180;
+long Degrees(double rad) { return std::lround(rad / kDegree); }
+
+// Where the scans show another motion than the path has.
+Verdict::Doubt OfScans(const kinds::LocalMap::Fit& fit, std::size_t i) {
+  if (fit.hole[i] != 0)
+    return {
+        Confidence::kLow,
+        fmt::format("from {:.0f} to {:.0f} s nothing was read, and the scans before and after do not meet: "
+                    "the robot moved meanwhile, and odometry did not count it",
+                    fit.from_s[i], fit.until_s[i])};
+  constexpr double kTurned_rad = 20 * kDegree;
+  if (std::abs(fit.scans_turn_rad[i] - fit.path_turn_rad[i]) > kTurned_rad)
+    return {Confidence::kLow,
+            fmt::format("from {:.0f} to {:.0f} s the scans show a turn by {} degrees, odometry one by {}, "
+                        "and the path has one by {}",
+                        fit.from_s[i], fit.until_s[i], Degrees(fit.scans_turn_rad[i]),
+                        Degrees(fit.odometry_turn_rad[i]), Degrees(fit.path_turn_rad[i]))};
+  return {
+      Confidence::kLow,
+      fmt::format("from {:.0f} to {:.0f} s the scans show another way than the path has, {:.1f} m apart: the "
+                  "wheels slipped, or the robot was carried",
+                  fit.from_s[i], fit.until_s[i], fit.apart_m[i])};
+}
+
+// How bad a disagreement is: radians, and metres likewise.
+double Weight(const kinds::LocalMap::Fit& fit, std::size_t i) {
+  if (fit.hole[i] != 0) return std::numbers::pi / 2;
+  return std::max(std::abs(fit.scans_turn_rad[i] - fit.path_turn_rad[i]), fit.apart_m[i]);
+}
+
+// The worst of each robot is named.
+void JudgeScans(const kinds::LocalMap& map, Verdict* verdict) {
+  std::size_t all = 0;
+  for (const kinds::LocalMap::Robot& robot : map.robot) {
+    const std::size_t count = robot.fit.from_s.OrNone().size();
+    all += count;
+    std::size_t worst = 0;
+    for (std::size_t i = 1; i < count; ++i)
+      if (Weight(robot.fit, i) > Weight(robot.fit, worst)) worst = i;
+    if (count > 0) verdict->Add(OfScans(robot.fit, worst));
+  }
+  verdict->AddCount("scans_disagree", all);
+}
+
+// Without a loop a path that contradicts odometry has nothing for it.
+void JudgeUnlooped(const kinds::LocalMap& map, Verdict* verdict) {
+  constexpr double kMuch_rad = std::numbers::pi / 2;
+  for (std::size_t r = 0; r < map.robot.size(); ++r) {
+    const WallTurns turns = FindWallTurns(map.robot[r]);
+    Verdict::Doubt doubt = OfWalls(turns);
+    if (doubt.at_most > Confidence::kLow && std::abs(turns.drift_rad) > kMuch_rad)
+      doubt = {Confidence::kLow,
+               fmt::format("walls were taken to stand at right angles, for which odometry would "
+                           "have to drift by {} degrees in all",
+                           std::abs(Degrees(turns.drift_rad)))};
+    if (doubt.at_most > Confidence::kLow) continue;
+    verdict->trust = Confidence::kLow;
+    verdict->Add(doubt);
+  }
+  if (verdict->trust == Confidence::kNone &&
+      std::ranges::any_of(map.robot, [](const auto& robot) { return !robot.fit.from_s.OrNone().empty(); }))
+    verdict->trust = Confidence::kLow;
+  JudgeScans(map, verdict);
+}
+
 }  // namespace
 
 Verdict LocalMapVerdict(const Blob& result) {
@@ -235,9 +333,10 @@ Verdict LocalMapVerdict(const Blob& result) {
   verdict.AddCount("loops_contradicted", loops.contradicted);
   if (loops.all == loops.contradicted) {
     verdict.why = "no place was recognised twice, so nothing checks the path";
+    JudgeUnlooped(map, &verdict);
     return verdict;
   }
-  const Weakest weakest = FindWeakest(loops);
+  const Weakest weakest = FindWeakest(map, loops);
   verdict.AddCount("loops_over_weakest_time", weakest.time.spans);
   verdict.AddCount("loops_along_weakest_axis", weakest.along_axis.spans);
   const Untied untied = LongestUntied(map, loops.closed);
@@ -245,6 +344,7 @@ Verdict LocalMapVerdict(const Blob& result) {
   verdict.trust = TrustIn(loops, weakest, untied);
   verdict.why = LoopsText(loops, weakest, untied);
   JudgeWalls(map, &verdict);
+  JudgeScans(map, &verdict);
   return verdict;
 }
 

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -79,7 +81,7 @@ TEST(LocalMapVerdict, LoopsThatTellTheDistanceAcrossAloneTieNothingAlong) {
     EXPECT_EQ(LocalMapVerdict(map).Text(),
               "fair: the path closes all of 100 loops; along one direction, as of a blank corridor, what "
               "comes after "
-              "1 s hangs on 0 of them, and where a robot slipped that way nothing else says so");
+              "6 s hangs on 0 of them, and where a robot slipped that way nothing else says so");
     for (std::size_t i = 0; i < 9; ++i) tells[i] = 1;
     map.PutVector<std::uint8_t>(axis, tells);
     EXPECT_EQ(LocalMapVerdict(map).trust, Confidence::kFair);
@@ -102,6 +104,100 @@ TEST(LocalMapVerdict, ALongWayAfterTheLastLoopIsNamed) {
             "fair: the path closes all of 30 loops; from 50 to 60 s, over 30 m, no place is recognised, and "
             "nothing "
             "checks the path");
+}
+
+// A long drive whose second half a few loops tie, ten metres before its end: a tenth of it is more.
+TEST(LocalMapVerdict, OfALongDriveTheEndsAreShort) {
+  auto loops = Loops(100, 1, 950);
+  const auto later = Loops(100, 951, 1000);
+  loops.insert(loops.end(), later.begin(), later.end());
+  Blob map = LocalMapOf(loops);
+  EXPECT_EQ(LocalMapVerdict(map).trust, Confidence::kHigh);
+  kinds::PoseTable poses;
+  std::vector<double> time_s;
+  std::vector<Pose> at;
+  for (int k = 0; k <= 1000; ++k) {
+    time_s.push_back(k);
+    at.push_back({0.4 * k, 0, 0});
+  }
+  poses.Set(time_s, at);
+  map.PutAll("robot/0/poses/", BlobOf(poses));
+  EXPECT_EQ(LocalMapVerdict(map).trust, Confidence::kLow);
+  EXPECT_NE(LocalMapVerdict(map).why.find("what comes after 950 s hangs on 0"), std::string::npos)
+      << LocalMapVerdict(map).why;
+}
+
+// Along an axis that loops tell from half-way on alone, nothing ties the first half.
+TEST(LocalMapVerdict, AnAxisIsJudgedOverTheWholeDrive) {
+  auto loops = Loops(50, 1, 100);
+  const auto later = Loops(50, 60, 100);
+  loops.insert(loops.end(), later.begin(), later.end());
+  Blob map = LocalMapOf(loops);
+  std::vector<std::uint8_t> all(100, 1), tells(100, 0);
+  std::fill(tells.begin() + 50, tells.end(), 1);
+  map.PutVector("connections/tells_x", all);
+  map.PutVector("connections/tells_y", tells);
+  EXPECT_EQ(LocalMapVerdict(map).trust, Confidence::kFair);
+  EXPECT_NE(
+      LocalMapVerdict(map).why.find("along one direction, as of a blank corridor, what comes after 11 s"),
+      std::string::npos)
+      << LocalMapVerdict(map).why;
+}
+
+Blob WithFit(Blob map, double scans_turn_rad, double apart_m, bool hole) {
+  kinds::LocalMap::Fit fit;
+  fit.from_s = std::vector<double>{20, 149.6};
+  fit.until_s = std::vector<double>{21, 153};
+  fit.scans_turn_rad = std::vector<double>{0.1, scans_turn_rad};
+  fit.odometry_turn_rad = std::vector<double>{0.1, 0.03};
+  fit.path_turn_rad = std::vector<double>{0.1, -0.001};
+  fit.apart_m = std::vector<double>{0.1, apart_m};
+  fit.hole = std::vector<std::uint8_t>{0, hole};
+  map.PutAll("robot/0/fit/", BlobOf(fit));
+  return map;
+}
+
+TEST(LocalMapVerdict, WhereTheScansShowAnotherMotionIsNamed) {
+  const Blob map = LocalMapOf(Loops(30, 1, 200));
+  EXPECT_EQ(LocalMapVerdict(WithFit(map, 1.536, 0.2, false)).Text(),
+            "low: the path closes all of 30 loops; from 150 to 153 s the scans show a turn by 88 degrees, "
+            "odometry one by 2, and the path has one by 0");
+  EXPECT_EQ(
+      LocalMapVerdict(WithFit(map, 0, 3.14, false)).Text(),
+      "low: the path closes all of 30 loops; from 150 to 153 s the scans show another way than the path "
+      "has, 3.1 m apart: the wheels slipped, or the robot was carried");
+  EXPECT_EQ(
+      LocalMapVerdict(WithFit(map, 0, 0, true)).Text(),
+      "low: the path closes all of 30 loops; from 150 to 153 s nothing was read, and the scans before and "
+      "after do not meet: the robot moved meanwhile, and odometry did not count it");
+  EXPECT_EQ(LocalMapVerdict(WithFit(LocalMapOf({}), 1.536, 0.2, false)).trust, Confidence::kLow);
+}
+
+// A path made straight along a corridor that bends: nothing was recognised, and odometry turned all along.
+TEST(LocalMapVerdict, WithoutALoopAPathThatContradictsOdometryIsNotTrusted) {
+  const auto verdict_of = [](double turns_rad_per_m) {
+    Blob map = LocalMapOf({});
+    std::vector<double> time_s, angle_rad;
+    std::vector<Pose> at;
+    for (int k = 0; k <= 200; ++k) {
+      time_s.push_back(k);
+      at.push_back({0.2 * k, 0, 0});
+      const double turned = std::remainder(turns_rad_per_m * 0.2 * k, std::numbers::pi / 2);
+      angle_rad.push_back(turned < 0 ? turned + std::numbers::pi / 2 : turned);
+    }
+    kinds::PoseTable poses;
+    poses.Set(time_s, at);
+    map.PutAll("robot/0/poses/", BlobOf(poses));
+    map.PutAll("robot/0/walls/", BlobOf(kinds::LocalMap::Walls{time_s, angle_rad, std::vector<double>(201, 1),
+                                                               std::vector<std::uint8_t>(201, 1),
+                                                               std::vector<std::uint8_t>(201, 0)}));
+    return LocalMapVerdict(map);
+  };
+  EXPECT_EQ(verdict_of(0.01).trust, Confidence::kNone);
+  EXPECT_EQ(
+      verdict_of(0.07).Text(),
+      "low: no place was recognised twice, so nothing checks the path; walls were taken to stand at right "
+      "angles, for which odometry would have to drift by 159 degrees in all");
 }
 
 TEST(LocalMapVerdict, ARobotWithoutALoopIsNamedBesideOneWithMany) {

@@ -161,7 +161,9 @@ WallTurns FindWallTurns(const kinds::LocalMap::Robot& robot) {
   for (const double turn : left) squares += turn * turn;
   turns.rms_rad = std::sqrt(squares / static_cast<double>(left.size()));
   turns.sd_rad = RobustSd(left);
-  const std::vector<double> unscaled = Left(nodes, Fit(nodes, false));
+  const Rates drift = Fit(nodes, false);
+  turns.drift_rad = drift.per_m * turns.path_m;
+  const std::vector<double> unscaled = Left(nodes, drift);
   CountPlaces(unscaled, &turns);
   Compare(nodes, unscaled, &turns);
   double others = 0;

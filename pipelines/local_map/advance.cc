@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pipelines/common/handed_over.h"
+#include "pipelines/local_map/path/motion_watch.h"
 #include "pipelines/local_map/path/scale_watch.h"
 #include "pipelines/local_map/plan.h"
 #include "pipelines/local_map/result.h"
@@ -21,6 +22,7 @@ constexpr std::size_t kQuarters = 4, kNodesOfTask = 40;
 struct Watched {
   std::vector<std::vector<float>> edges_m;
   std::vector<std::vector<Approach>> approaches;
+  std::vector<std::vector<Contradiction>> motion;
 };
 
 // That a partial is of.
@@ -31,7 +33,8 @@ std::size_t RobotOf(const Blob& partial, std::size_t robots) {
 }
 
 Watched WatchedBy(Partials& partials, std::size_t robots) {
-  Watched watched{std::vector<std::vector<float>>(robots), std::vector<std::vector<Approach>>(robots)};
+  Watched watched{std::vector<std::vector<float>>(robots), std::vector<std::vector<Approach>>(robots),
+                  std::vector<std::vector<Contradiction>>(robots)};
   for (std::size_t k = 0; k < partials.size(); ++k) {
     const BlobPtr partial = partials.Get(k);
     const std::size_t r = RobotOf(*partial, robots);
@@ -41,6 +44,12 @@ Watched WatchedBy(Partials& partials, std::size_t robots) {
                distance = partial->Get<double>("along_distance_m2");
     RequireSize("along_distance_m2", distance.size(), along2.size());
     for (std::size_t a = 0; a < along2.size(); ++a) watched.approaches[r].push_back({along2[a], distance[a]});
+    const auto first = partial->Scalar<std::int64_t>("first");
+    for (Contradiction contradiction : RowsIn<Contradiction>(*partial, "motion/")) {
+      contradiction.from += first;
+      contradiction.to += first;
+      watched.motion[r].push_back(contradiction);
+    }
   }
   return watched;
 }
@@ -120,6 +129,13 @@ class Turn {
       std::vector<Scan> scans = RowsIn<Scan>(*rows);
       const OrientationTrack track =
           TrackOrientation(SightsOf(scans, watched.edges_m[r]), options_.orientation);
+      if (first) {
+        for (const Contradiction& c : watched.motion[r]) {
+          RequireWithin("a contradiction's scan", c.from, 0, c.to);
+          RequireWithin("a contradiction's scan", c.to, 0, static_cast<std::int64_t>(scans.size()) - 1);
+        }
+        Share(MotionName(r), cairn::BlobOf(watched.motion[r]));
+      }
       Share(WallsName(r), WallsBlob(track, first ? nullptr : inputs_.Get(WallsName(r)).get()));
       const double scale = first ? 1 : FitScale(watched.approaches[r]);
       Correct(track, scale, &scans);
@@ -317,6 +333,8 @@ class Turn {
       const std::string robot = "robot/" + std::to_string(r) + "/";
       PutPath(robot, all_[r].scans, *inputs_.Get(WallsName(r)), &result);
       result.PutAll(robot + "cuts/", *inputs_.Get(CutsName(r)));
+      PutRows(robot + "fit/",
+              Disagreements(RowsIn<Contradiction>(*inputs_.Get(MotionName(r))), all_[r].scans), &result);
       parts.scans.push_back(all_[r].scans);
     }
     PutTraces(parts, &result);

@@ -64,7 +64,7 @@ Step LocalMap::Start(const Inputs& inputs) const {
     blobs[RowsName(r)] = step.Share(RowsOf(robots[r]));
     blobs[CutsName(r)] = step.Share(CutsBlob(robots[r].cuts));
     for (const Stretch& segment : CutSegments(r, robots[r].scans, options_))
-      AddScanTask("walls", kWallsUs, segment, RowsName(r), &step.plan);
+      AddScanTask("walls", kWallsUs, segment, RowsName(r), &step.plan).Set("motion", true);
   }
   double scan_count = 0;
   for (const RobotRuns& runs : robots) scan_count += static_cast<double>(runs.scans.size());
@@ -141,7 +141,9 @@ Blob LocalMap::Run(const Task& task, const Inputs& inputs, Progress& progress) c
   ScanReader scans(*inputs.Get("log"), *inputs.Get("rings"), *inputs.Get("rows"), options_.ring_beams);
   Blob partial;
   if (task.kind() == "walls") {
-    partial = WatchWalls(scans, OwnOf(task, scans), options_.grid, progress);
+    partial =
+        WatchWalls(scans, OwnOf(task, scans), task.params().contains("motion"), options_.grid, progress);
+    partial.PutScalar("first", IntegerOf(task, "first", 0, kMostScans));
   } else if (task.kind() == "traces") {
     partial = RecordTraces(task, inputs, options_.grid, &scans, progress, options_.record);
   } else {

@@ -19,6 +19,8 @@ inline std::string RowsName(std::size_t r) { return "rows " + std::to_string(r);
 inline std::string PathName(std::size_t r) { return "path " + std::to_string(r); }  // RowsOf, corrected poses
 inline std::string WallsName(std::size_t r) { return "walls " + std::to_string(r); }  // of each scan
 inline std::string NodesName(std::size_t r) { return "nodes " + std::to_string(r); }  // scans of nodes
+// What scans contradict of its dead reckoning (path/motion_watch.h).
+inline std::string MotionName(std::size_t r) { return "motion " + std::to_string(r); }
 inline std::string CutsName(std::size_t r) { return "cuts " + std::to_string(r); }
 inline constexpr char kLogInput[] = "log";
 inline constexpr char kTraces[] = "traces", kSurroundings[] = "surroundings", kPairs[] = "pairs";

@@ -29,6 +29,20 @@ struct LocalMap {
       field(Needed("why", "C"), &Cuts::why);
     }
   };
+  // Where the path does not move as its scans show that the robot did.
+  struct Fit {
+    Column<double> from_s, until_s, scans_turn_rad, odometry_turn_rad, path_turn_rad, apart_m;
+    Column<std::uint8_t> hole;
+    static void Fields(const auto& field) {
+      field({"from_s", "D", Finite()}, &Fit::from_s);
+      field({"until_s", "D", Finite()}, &Fit::until_s);
+      field({"scans_turn_rad", "D", Finite()}, &Fit::scans_turn_rad);
+      field({"odometry_turn_rad", "D", Finite()}, &Fit::odometry_turn_rad);
+      field({"path_turn_rad", "D", Finite()}, &Fit::path_turn_rad);
+      field({"apart_m", "D", NotNegative()}, &Fit::apart_m);
+      field({"hole", "D", YesNo()}, &Fit::hole);
+    }
+  };
   struct Positions {
     Column<double> time_s, z_m, u_m, range_z_m, range_u_m;
     Column<std::int32_t> trace;
@@ -47,11 +61,13 @@ struct LocalMap {
     PoseTable poses;
     Walls walls;
     Cuts cuts;
+    Fit fit;
     Positions positions;
     static void Fields(const auto& field) {
       field({"poses", "S"}, &Robot::poses);
       field("walls", &Robot::walls);
       field("cuts", &Robot::cuts);
+      field("fit", &Robot::fit);
       field("positions", &Robot::positions);
     }
   };

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pipelines/local_map/grids/local_grids.h"
+#include "pipelines/local_map/path/motion_watch.h"
 #include "pipelines/local_map/path/orientation_track.h"
 #include "pipelines/local_map/path/scale_watch.h"
 
@@ -21,16 +22,20 @@ double Counts(const Edge& edge) {
 
 }  // namespace
 
-Blob WatchWalls(ScanReader& scans, std::size_t own, GridOptions options, Progress& progress) {
+Blob WatchWalls(ScanReader& scans, std::size_t own, bool watch_motion, GridOptions options,
+                Progress& progress) {
   options.align = false;  // edges in one frame; what that says of walls is decided over the whole run
   LocalGrids grids(options, scans.rings());
   ScaleWatch scale(scans.beams());
+  MotionWatch motion(scans.beams());
   std::vector<float> all;
   all.reserve((scans.size() - own) * kBins);
   for (std::size_t s = 0; s < scans.size(); ++s) {
     if (s % 100 == 0) progress.Tick();
     const std::span<const RingScan> read = scans.Read(s);
     grids.Update(scans.pose(s), read);
+    if (watch_motion)
+      motion.Update(static_cast<std::int64_t>(s), scans.time_s(s), scans.pose(s), read, s >= own);
     if (s < own) continue;
     scale.Update(scans.pose(s), read);
     EdgeHistogram edges{};
@@ -48,6 +53,7 @@ Blob WatchWalls(ScanReader& scans, std::size_t own, GridOptions options, Progres
   blob.PutVector("along2_m2", along2);
   blob.PutVector("along_distance_m2", along_distance);
   blob.Put("edges_m", Array::Of<float>({static_cast<std::int64_t>(scans.size() - own), kBins}, all));
+  PutRows("motion/", motion.found(), &blob);
   return blob;
 }
 

@@ -10,6 +10,9 @@ namespace cairn::local_map {
 // `edges_m` [scans - own, kBins]: directions of the current edges modulo pi / 2, in the frame of the rows'
 // poses, of each scan from `own` on. `along2_m2`, `along_distance_m2` of approaches to walls
 // (path/scale_watch.h), which mean something where walls lie along the axes.
-Blob WatchWalls(ScanReader& scans, std::size_t own, GridOptions options, Progress& progress);
+// `motion/`: what the scans contradict of the rows' motion (path/motion_watch.h), its scans counted from the
+// task's first; only where `watch_motion`.
+Blob WatchWalls(ScanReader& scans, std::size_t own, bool watch_motion, GridOptions options,
+                Progress& progress);
 
 }  // namespace cairn::local_map

@@ -74,6 +74,25 @@ inline std::vector<double> SonarScan(const std::vector<TestWall>& walls, const P
   return ranges;
 }
 
+// A laser of 181 rays over the half circle ahead.
+inline std::vector<Pose> LaserBeams() {
+  std::vector<Pose> beams;
+  for (int b = -90; b <= 90; ++b) beams.push_back({0.1, 0, RadOf(b)});
+  return beams;
+}
+
+// What it sees up to 10 m, off by 1 cm; NaN beyond and of one ray in fifty.
+inline std::vector<double> LaserScan(const std::vector<TestWall>& walls, const Pose& robot, Rng& rng) {
+  constexpr double kRay_rad = 1e-3;
+  std::vector<double> ranges;
+  for (const Pose& beam : LaserBeams()) {
+    const double range = InConeM(walls, Compose(robot, beam), kRay_rad) + 0.01 * rng.Normal();
+    const bool seen = rng.Uniform() >= 0.02 && range <= 10;
+    ranges.push_back(seen ? range : std::numeric_limits<double>::quiet_NaN());
+  }
+  return ranges;
+}
+
 // A rectangle, turned about `centre`, whose heading is the rectangle's.
 inline std::vector<TestWall> TestBox(double width_m, double depth_m, const Pose& centre) {
   std::vector<Point> corners;

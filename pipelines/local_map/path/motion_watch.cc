@@ -1,0 +1,158 @@
+#include "pipelines/local_map/path/motion_watch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace cairn::local_map {
+namespace {
+
+constexpr double kDeg = std::numbers::pi / 180;
+// Over a short time a turn is less than half a circle, over a longer one a slow one shows; over the longest
+// the place looks alike only where odometry hardly moves.
+struct WatchOf {
+  double over_s, most_m,
+      most_rad;  // when two scans are compared: after so long, or such a motion by odometry
+};
+constexpr std::array<WatchOf, 3> kWatches{
+    {{0.4, 1.2, 40 * kDeg}, {1.5, 1.2, 40 * kDeg}, {5.0, 0.4, 20 * kDeg}}};
+constexpr std::size_t kLeastBeams = 30;
+constexpr double kTells = 20;  // hits, at least
+
+constexpr double kExplained = 0.8;  // of a scan: nothing else is looked for
+constexpr double kGain = 0.2;       // of a scan that odometry does not explain and another motion does
+constexpr double kSeen = 0.85, kTurn_rad = 10 * kDeg, kWay_m = 0.15;
+
+constexpr double kHole_s = 2, kHoleRatio = 8;  // and so many times the usual
+constexpr double kNews = 0.1, kStands_m = 0.3, kStands_rad = 15 * kDeg;
+constexpr double kFastest_mps = 0.8, kMostSlip_m = 1.2, kSlip_s = 3;  // that a robot is carried
+constexpr double kMostTurn_rad = 60 * kDeg;
+
+bool IsLaser(const ScaleWatch::Ring& ring) {
+  return ring.opening_rad == 0 && ring.beams.size() >= kLeastBeams;
+}
+
+}  // namespace
+
+MotionWatch::MotionWatch(const std::vector<ScaleWatch::Ring>& rings) : before_(kWatches.size()) {
+  for (std::size_t r = 0; r < rings.size(); ++r)
+    if (IsLaser(rings[r]) && (fan_.empty() || rings[r].beams.size() > rings[ring_].beams.size())) {
+      ring_ = r;
+      fan_.assign(1, LaserFan(rings[r].beams, rings[r].max_range_m));
+    }
+}
+
+void MotionWatch::Update(std::int64_t scan, double time_s, const Pose& pose, std::span<const RingScan> read,
+                         bool own) {
+  if (fan_.empty() || read[ring_].range_m.empty()) return;
+  const bool is_hole = EndsHole(time_s);
+  Seen now{.scan = scan, .time_s = time_s, .pose = pose, .view = {}};
+  std::int64_t compared = -1;  // the scan that it was compared with
+  for (std::size_t w = 0; w < before_.size(); ++w) {
+    Seen& before = before_[w];
+    const Pose odometry = before.scan < 0 ? Pose() : Between(before.pose, pose);
+    const bool due = before.scan < 0 || is_hole || time_s - before.time_s >= kWatches[w].over_s ||
+                     std::hypot(odometry.x_m, odometry.y_m) > kWatches[w].most_m ||
+                     std::abs(odometry.heading_rad) > kWatches[w].most_rad;
+    if (!due) continue;
+    if (now.view.hits.empty()) now.view = fan_.front().View(read[ring_]);
+    if (before.scan >= 0 && own && before.scan != compared) {
+      if (is_hole && w == 0)
+        CompareOverHole(before, now);
+      else if (!is_hole)
+        Compare(static_cast<std::int32_t>(w), before, now);
+      if (w == 0) compared = before.scan;
+    }
+    before = now;
+  }
+}
+
+bool MotionWatch::EndsHole(double time_s) {
+  const bool is_first = before_[0].scan < 0;
+  const double since_s = time_s - last_s_;
+  last_s_ = time_s;
+  if (is_first) return false;
+  if (usual_s_ > 0 && since_s > std::max(kHole_s, kHoleRatio * usual_s_)) return true;
+  usual_s_ = usual_s_ > 0 ? std::lerp(usual_s_, since_s, kNews) : since_s;
+  return false;
+}
+
+void MotionWatch::Compare(std::int32_t watch, const Seen& before, const Seen& now) {
+  const Pose odometry = Between(before.pose, now.pose);
+  if (std::abs(odometry.heading_rad) > kMostTurn_rad) return;
+  const ScanMotion near = NearOdometry(before.view, now.view, odometry, kExplained);
+  if (near.tells < kTells || near.share >= kExplained) return;
+  const double over_s = now.time_s - before.time_s;
+  const ScanMotion any =
+      AnyMotion(before.view, now.view, odometry, kMostTurn_rad, std::min(kMostSlip_m, kFastest_mps * over_s));
+  if (any.share < kSeen || any.share - near.share < kGain) return;
+  const double turn = std::abs(any.moved.heading_rad - near.moved.heading_rad),
+               way = std::hypot(any.moved.x_m - odometry.x_m, any.moved.y_m - odometry.y_m);
+  if (turn > kTurn_rad || (way > kWay_m && over_s <= kSlip_s))
+    found_.push_back({watch, before.scan, now.scan, any.moved, odometry, false});
+}
+
+// Where odometry moved meanwhile, it went on counting.
+void MotionWatch::CompareOverHole(const Seen& before, const Seen& now) {
+  const Pose odometry = Between(before.pose, now.pose);
+  if (std::hypot(odometry.x_m, odometry.y_m) > kStands_m || std::abs(odometry.heading_rad) > kStands_rad)
+    return;
+  const ScanMotion near = NearOdometry(before.view, now.view, odometry, kExplained);
+  if (near.tells >= kTells && near.share < kExplained)
+    found_.push_back({0, before.scan, now.scan, odometry, odometry, true});
+}
+
+namespace {
+
+// The contradictions of one watch, each with the one before where they follow each other.
+std::vector<Disagreement> ChainsOf(std::size_t watch, const std::vector<Contradiction>& found,
+                                   const std::vector<Scan>& scans) {
+  std::vector<Disagreement> chains;
+  Point apart;
+  for (const Contradiction& c : found) {
+    if (c.watch != static_cast<std::int32_t>(watch)) continue;
+    const Scan &from = scans.at(static_cast<std::size_t>(c.from)),
+               &to = scans.at(static_cast<std::size_t>(c.to));
+    const bool follows = !chains.empty() && !c.hole && !chains.back().hole &&
+                         from.time_s - chains.back().until_s <= 2 * kWatches[watch].over_s;
+    if (!follows) {
+      chains.push_back({.from_s = from.time_s});
+      apart = {};
+    }
+    const Pose path = Between(from.pose, to.pose);
+    const Pose off =
+        Compose({0, 0, chains.back().scans_turn_rad}, {c.seen.x_m - path.x_m, c.seen.y_m - path.y_m, 0});
+    apart = {apart.x_m + off.x_m, apart.y_m + off.y_m};
+    Disagreement& chain = chains.back();
+    chain.until_s = to.time_s;
+    chain.hole = c.hole;
+    chain.scans_turn_rad += c.seen.heading_rad;
+    chain.odometry_turn_rad += c.odometry.heading_rad;
+    chain.path_turn_rad += path.heading_rad;
+    chain.apart_m = std::hypot(apart.x_m, apart.y_m);
+    ++chain.pairs;
+  }
+  return chains;
+}
+
+}  // namespace
+
+std::vector<Disagreement> Disagreements(const std::vector<Contradiction>& found,
+                                        const std::vector<Scan>& scans) {
+  constexpr double kLeastTurn_rad = 35 * kDeg, kLeast_m = 0.5;
+  std::vector<Disagreement> all;
+  for (std::size_t w = 0; w < kWatches.size(); ++w) {
+    for (const Disagreement& chain : ChainsOf(w, found, scans)) {
+      const double turn = std::abs(chain.scans_turn_rad - chain.path_turn_rad);
+      // Two scans alone may be of two places that look alike.
+      const bool is_sure = chain.hole || chain.pairs > 1;
+      if (!is_sure) continue;
+      if (chain.hole || turn >= kLeastTurn_rad || chain.apart_m >= kLeast_m) all.push_back(chain);
+    }
+  }
+  std::ranges::stable_sort(all, {}, &Disagreement::from_s);
+  return all;
+}
+
+}  // namespace cairn::local_map

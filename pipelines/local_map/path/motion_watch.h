@@ -1,0 +1,84 @@
+// Where a laser's scans show another motion of the robot than odometry does: wheels slip, encoders stand
+// still, the robot is carried, or the recorder was paused.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pipelines/local_map/path/runs.h"
+#include "pipelines/local_map/path/scale_watch.h"
+#include "pipelines/local_map/path/scan_motion.h"
+
+namespace cairn::local_map {
+
+// Two scans, some time apart, that odometry does not explain. Motions are in the robot's frame at `from`.
+struct Contradiction {
+  std::int32_t watch = 0;         // which of the watches, each of which looks over another time
+  std::int64_t from = 0, to = 0;  // scans
+  Pose seen, odometry;            // `seen` of a hole: odometry's
+  bool hole = false;              // nothing was read for long, and the scans before and after do not meet
+  static void Fields(const auto& field) {
+    field("watch", &Contradiction::watch);
+    field("from", &Contradiction::from);
+    field("to", &Contradiction::to);
+    field("seen", &Contradiction::seen);
+    field("odometry", &Contradiction::odometry);
+    field("hole", &Contradiction::hole);
+  }
+};
+
+class MotionWatch {
+ public:
+  // Looks at the laser that has the most beams; at nothing where there is none.
+  explicit MotionWatch(const std::vector<ScaleWatch::Ring>& rings);
+
+  // Scan number `scan` at a pose of dead reckoning; `own`: what it contradicts is reported.
+  void Update(std::int64_t scan, double time_s, const Pose& pose, std::span<const RingScan> read, bool own);
+
+  const std::vector<Contradiction>& found() const { return found_; }
+
+ private:
+  struct Seen {
+    std::int64_t scan = -1;  // none yet
+    double time_s = 0;
+    Pose pose;
+    LaserView view;
+  };
+  // Whether nothing was read for long before this scan; learns how long is usual.
+  bool EndsHole(double time_s);
+  void Compare(std::int32_t watch, const Seen& before, const Seen& now);
+  void CompareOverHole(const Seen& before, const Seen& now);
+
+  std::size_t ring_ = 0;
+  std::vector<LaserFan> fan_;  // none or one
+  std::vector<Seen> before_;   // of each watch
+  double last_s_ = 0, usual_s_ = 0;
+  std::vector<Contradiction> found_;
+};
+
+// A stretch of time over which a path and the scans that it is made of tell of different motions.
+struct Disagreement {
+  double from_s = 0, until_s = 0;
+  double scans_turn_rad = 0, odometry_turn_rad = 0, path_turn_rad = 0;  // summed over the stretch
+  double apart_m = 0;  // by which the ways of the scans and of the path differ
+  bool hole = false;
+  int pairs = 0;  // of scans that say so
+  static void Fields(const auto& field) {
+    field("from_s", &Disagreement::from_s);
+    field("until_s", &Disagreement::until_s);
+    field("scans_turn_rad", &Disagreement::scans_turn_rad);
+    field("odometry_turn_rad", &Disagreement::odometry_turn_rad);
+    field("path_turn_rad", &Disagreement::path_turn_rad);
+    field("apart_m", &Disagreement::apart_m);
+    field("hole", &Disagreement::hole);
+  }
+};
+
+// Of what was found along dead reckoning, what the path of `scans` does not do as the scans show it.
+// Contradictions that follow each other are one; those that are too little to harm a map, as where a clock is
+// off, are left out. In order of time.
+std::vector<Disagreement> Disagreements(const std::vector<Contradiction>& found,
+                                        const std::vector<Scan>& scans);
+
+}  // namespace cairn::local_map

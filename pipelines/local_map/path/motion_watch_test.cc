@@ -1,0 +1,142 @@
+#include "pipelines/local_map/path/motion_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "pipelines/local_map/testing/corridor.h"
+
+namespace cairn::local_map {
+namespace {
+
+// A robot drives along a corridor, turns round and drives back, five scans a second.
+class WatchedDrive {
+ public:
+  // The robot moves so, and odometry says so of it.
+  void Move(const Pose& by, const Pose& odometry) {
+    truth_ = Compose(truth_, by);
+    dead_ = Compose(dead_, odometry);
+    time_s_ += kStep_s;
+    if (!reads_) return;
+    const std::vector<double> ranges = LaserScan(walls_, truth_, rng_);
+    const RingScan scan{time_s_, 0, ranges};
+    watch_.Update(static_cast<std::int64_t>(scans_.size()), time_s_, dead_, {&scan, 1}, true);
+    scans_.push_back({.time_s = time_s_, .pose = dead_});
+  }
+  void Ahead(double way_m, double odometry_ratio = 1, double slips_ratio = 1) {
+    for (double gone_m = 0; gone_m < way_m; gone_m += 0.08)
+      Move({0.08 * slips_ratio, 0, 0}, {0.08 * odometry_ratio, 0, 0.002});
+  }
+  void Turn(double turn_rad, double odometry_ratio) {
+    for (int k = 0; k < 20; ++k) Move({0, 0, turn_rad / 20}, {0, 0, odometry_ratio * turn_rad / 20});
+  }
+  void Read(bool reads) { reads_ = reads; }
+  std::vector<Disagreement> Found() const { return Disagreements(watch_.found(), scans_); }
+
+ private:
+  static constexpr double kStep_s = 0.2;
+  std::vector<TestWall> walls_ = NichedCorridor();
+  Rng rng_{5};
+  Pose truth_{-4, 0, 0}, dead_;
+  double time_s_ = 0;
+  bool reads_ = true;
+  MotionWatch watch_{{{LaserBeams(), 0, 10}}};
+  std::vector<Scan> scans_;
+};
+
+constexpr double kQuarter_rad = M_PI / 2;
+
+TEST(MotionWatch, SaysNothingOfADriveThatOdometryTells) {
+  WatchedDrive drive;
+  drive.Ahead(7);
+  drive.Turn(2 * kQuarter_rad, 1.05);
+  drive.Ahead(7, 0.98);
+  EXPECT_TRUE(drive.Found().empty());
+}
+
+TEST(MotionWatch, SaysWhereOdometryMissesATurn) {
+  WatchedDrive drive;
+  drive.Ahead(3);
+  drive.Turn(kQuarter_rad, 0);
+  drive.Turn(-kQuarter_rad, 1);
+  const std::vector<Disagreement> found = drive.Found();
+  ASSERT_FALSE(found.empty());
+  EXPECT_NEAR(DegOf(found.front().scans_turn_rad), 90, 25);
+  EXPECT_NEAR(DegOf(found.front().odometry_turn_rad), 0, 5);
+  EXPECT_NEAR(found.front().from_s, 3 / 0.4, 2);
+}
+
+TEST(MotionWatch, SaysWhereOdometryCountsATurnThatIsNone) {
+  WatchedDrive drive;
+  drive.Ahead(3);
+  for (int k = 0; k < 20; ++k) drive.Move({}, {0, 0, kQuarter_rad / 20});
+  drive.Ahead(3);
+  const std::vector<Disagreement> found = drive.Found();
+  ASSERT_FALSE(found.empty());
+  EXPECT_NEAR(DegOf(found.front().scans_turn_rad), 0, 10);
+  EXPECT_NEAR(DegOf(found.front().odometry_turn_rad), 90, 25);
+}
+
+TEST(MotionWatch, SaysWhereWheelsTurnInPlaceAndWhereTheRobotIsCarried) {
+  for (const auto& [odometry, slips] : {std::pair{1.0, 0.0}, {0.0, 1.0}}) {
+    WatchedDrive drive;
+    drive.Ahead(4);
+    drive.Ahead(3, odometry, slips);
+    drive.Ahead(1);
+    const std::vector<Disagreement> found = drive.Found();
+    ASSERT_FALSE(found.empty()) << odometry;
+    double most_m = 0;
+    for (const Disagreement& one : found) most_m = std::max(most_m, one.apart_m);
+    EXPECT_GT(most_m, 1) << odometry;
+    EXPECT_LT(most_m, 4) << odometry;
+  }
+}
+
+TEST(MotionWatch, SaysWhereTheRecorderWasPausedAndTheRobotDroveOn) {
+  for (const bool drives : {false, true}) {
+    WatchedDrive drive;
+    drive.Ahead(3);
+    drive.Read(false);
+    for (int k = 0; k < 20; ++k) drive.Move(drives ? Pose{0, 0, kQuarter_rad / 20} : Pose(), {});
+    drive.Read(true);
+    drive.Ahead(1);
+    const std::vector<Disagreement> found = drive.Found();
+    ASSERT_EQ(found.size(), drives ? 1U : 0U);
+    for (const Disagreement& one : found) EXPECT_TRUE(one.hole);
+  }
+}
+
+// What a path makes good, it does not contradict.
+TEST(MotionWatch, OfAPathThatMovesAsTheScansShowNothingIsSaid) {
+  std::vector<Contradiction> found;
+  std::vector<Scan> scans;
+  Pose at;
+  for (std::int64_t s = 0; s < 5; ++s) {
+    scans.push_back({.time_s = 0.4 * static_cast<double>(s), .pose = at});
+    at = Compose(at, {0, 0, 0.4});
+    if (s > 0) found.push_back({0, s - 1, s, {0, 0, 0.4}, {}, false});
+  }
+  EXPECT_TRUE(Disagreements(found, scans).empty());
+  for (Scan& scan : scans) scan.pose = {};
+  ASSERT_EQ(Disagreements(found, scans).size(), 1U);
+  EXPECT_NEAR(Disagreements(found, scans).front().scans_turn_rad, 1.6, 1e-9);
+  found.resize(1);  // two scans alone
+  found.front().seen.heading_rad = 1;
+  EXPECT_TRUE(Disagreements(found, scans).empty());
+}
+
+TEST(MotionWatch, WithoutALaserSeesNothing) {
+  MotionWatch watch({{RingBeams(), kTestOpeningRad, 6}});
+  Rng rng(1);
+  const std::vector<double> ranges = SonarScan(NichedCorridor(), {}, 0, rng);
+  const RingScan scan{0, 0, ranges};
+  for (std::int64_t s = 0; s < 9; ++s) watch.Update(s, static_cast<double>(s), {}, {&scan, 1}, true);
+  EXPECT_TRUE(watch.found().empty());
+}
+
+}  // namespace
+}  // namespace cairn::local_map

@@ -1,0 +1,49 @@
+// How a robot moved between two scans of its laser, as the walls that both show say: they stand still.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "pipelines/local_map/grids/ring.h"
+#include "schema/geometry.h"
+
+namespace cairn::local_map {
+
+// What one scan of a laser showed, in the robot's frame.
+struct LaserView {
+  Point origin;             // of the beams
+  std::vector<Point> hits;  // one a beam; NaN: none
+  std::vector<Point> some;  // of them that are hits, spread over the scan
+  std::span<const std::int16_t>
+      beam_at;  // of each half degree from -pi on the beam that points there; -1: none
+};
+
+// A laser's beams, which begin at about one point.
+class LaserFan {
+ public:
+  LaserFan(std::vector<Pose> beams, double max_range_m);
+  LaserView View(const RingScan& scan) const;  // lives no longer than the fan
+
+ private:
+  std::vector<Pose> beams_;
+  double max_range_m_;
+  std::vector<std::int16_t> beam_at_;
+};
+
+// A motion, of the robot in its frame at the first of two views, and the share of the second's hits that lie
+// then where the first saw something; of those in directions in which the first looked.
+struct ScanMotion {
+  Pose moved;
+  double share = 0, tells = 0;  // `tells`: how many hits the share is of
+};
+
+// The best near `odometry`, whose clock may run otherwise than the laser's; itself, where that explains such
+// a share.
+ScanMotion NearOdometry(const LaserView& from, const LaserView& to, const Pose& odometry, double explained);
+
+// The best of all: any turn up to `most_rad`, and ways of up to `most_m` more or less than odometry's.
+ScanMotion AnyMotion(const LaserView& from, const LaserView& to, const Pose& odometry, double most_rad,
+                     double most_m);
+
+}  // namespace cairn::local_map
