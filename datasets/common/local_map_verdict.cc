@@ -268,13 +268,16 @@ Verdict::Doubt OfScans(const kinds::LocalMap::Fit& fit, std::size_t i) {
         fmt::format("from {:.0f} to {:.0f} s nothing was read, and the scans before and after do not meet: "
                     "the robot moved meanwhile, and odometry did not count it",
                     fit.from_s[i], fit.until_s[i])};
-  constexpr double kTurned_rad = 20 * kDegree;
-  if (std::abs(fit.scans_turn_rad[i] - fit.path_turn_rad[i]) > kTurned_rad)
-    return {Confidence::kLow,
-            fmt::format("from {:.0f} to {:.0f} s the scans show a turn by {} degrees, odometry one by {}, "
-                        "and the path has one by {}",
-                        fit.from_s[i], fit.until_s[i], Degrees(fit.scans_turn_rad[i]),
-                        Degrees(fit.odometry_turn_rad[i]), Degrees(fit.path_turn_rad[i]))};
+  constexpr double kMissed_rad = 30 * kDegree, kFollows_rad = 40 * kDegree;
+  const double of_path_rad = std::abs(fit.scans_turn_rad[i] - fit.path_turn_rad[i]),
+               of_odometry_rad = std::abs(fit.scans_turn_rad[i] - fit.odometry_turn_rad[i]);
+  const std::string turns = fmt::format(
+      "from {:.0f} to {:.0f} s the scans show a turn by {} degrees and odometry one by {}", fit.from_s[i],
+      fit.until_s[i], Degrees(fit.scans_turn_rad[i]), Degrees(fit.odometry_turn_rad[i]));
+  if (of_path_rad > (of_odometry_rad > kMissed_rad ? kFollows_rad : kMissed_rad))
+    return {Confidence::kLow, turns + fmt::format("; the path has one by {}", Degrees(fit.path_turn_rad[i]))};
+  // Loops that close afterwards would close on a path that turned wrongly there, too.
+  if (of_odometry_rad > kMissed_rad) return {Confidence::kFair, turns + "; the path follows the scans"};
   return {
       Confidence::kLow,
       fmt::format("from {:.0f} to {:.0f} s the scans show another way than the path has, {:.1f} m apart: the "
@@ -285,7 +288,8 @@ Verdict::Doubt OfScans(const kinds::LocalMap::Fit& fit, std::size_t i) {
 // How bad a disagreement is: radians, and metres likewise.
 double Weight(const kinds::LocalMap::Fit& fit, std::size_t i) {
   if (fit.hole[i] != 0) return std::numbers::pi / 2;
-  return std::max(std::abs(fit.scans_turn_rad[i] - fit.path_turn_rad[i]), fit.apart_m[i]);
+  const double of_path_rad = std::abs(fit.scans_turn_rad[i] - fit.path_turn_rad[i]);
+  return OfScans(fit, i).at_most == Confidence::kFair ? 0 : std::max(of_path_rad, fit.apart_m[i]);
 }
 
 // The worst of each robot is named.

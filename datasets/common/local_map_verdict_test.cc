@@ -148,9 +148,9 @@ Blob WithFit(Blob map, double scans_turn_rad, double apart_m, bool hole) {
   kinds::LocalMap::Fit fit;
   fit.from_s = std::vector<double>{20, 149.6};
   fit.until_s = std::vector<double>{21, 153};
-  fit.scans_turn_rad = std::vector<double>{0.1, scans_turn_rad};
+  fit.scans_turn_rad = std::vector<double>{0.7, scans_turn_rad};  // the path follows the first
   fit.odometry_turn_rad = std::vector<double>{0.1, 0.03};
-  fit.path_turn_rad = std::vector<double>{0.1, -0.001};
+  fit.path_turn_rad = std::vector<double>{0.7, -0.001};
   fit.apart_m = std::vector<double>{0.1, apart_m};
   fit.hole = std::vector<std::uint8_t>{0, hole};
   map.PutAll("robot/0/fit/", BlobOf(fit));
@@ -160,8 +160,13 @@ Blob WithFit(Blob map, double scans_turn_rad, double apart_m, bool hole) {
 TEST(LocalMapVerdict, WhereTheScansShowAnotherMotionIsNamed) {
   const Blob map = LocalMapOf(Loops(30, 1, 200));
   EXPECT_EQ(LocalMapVerdict(WithFit(map, 1.536, 0.2, false)).Text(),
-            "low: the path closes all of 30 loops; from 150 to 153 s the scans show a turn by 88 degrees, "
-            "odometry one by 2, and the path has one by 0");
+            "low: the path closes all of 30 loops; from 150 to 153 s the scans show a turn by 88 degrees "
+            "and odometry one by 2; the path has one by 0");
+  Blob follows = WithFit(map, 1.536, 0.8, false);
+  follows.PutVector("robot/0/fit/path_turn_rad", std::vector<double>{0.7, 1.57});
+  EXPECT_EQ(LocalMapVerdict(follows).Text(),
+            "fair: the path closes all of 30 loops; from 20 to 21 s the scans show a turn by 40 degrees "
+            "and odometry one by 6; the path follows the scans");
   EXPECT_EQ(
       LocalMapVerdict(WithFit(map, 0, 3.14, false)).Text(),
       "low: the path closes all of 30 loops; from 150 to 153 s the scans show another way than the path "

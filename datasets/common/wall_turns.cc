@@ -22,6 +22,17 @@ struct TurnNode {
   double heading_rad = 0;  // of the path, continuous
 };
 
+// Whether odometry is known to have missed a turn then, or shortly before or after.
+bool IsMissed(const kinds::LocalMap::Fit& fit, double time_s) {
+  constexpr double kMissed_rad = std::numbers::pi / 6, kAround_s = 2;
+  for (std::size_t i = 0; i < fit.from_s.OrNone().size(); ++i)
+    if (std::abs(fit.scans_turn_rad[i] - fit.odometry_turn_rad[i]) > kMissed_rad &&
+        time_s > fit.from_s[i] - kAround_s && time_s < fit.until_s[i] + kAround_s)
+      return true;
+  return false;
+}
+
+// Turns that odometry is known to have missed are taken out.
 std::vector<TurnNode> NodesAlong(const kinds::LocalMap::Robot& robot) {
   const auto angle = robot.walls.angle_rad.OrNone();
   const auto x = robot.poses.x_m.OrNone(), y = robot.poses.y_m.OrNone(),
@@ -30,13 +41,17 @@ std::vector<TurnNode> NodesAlong(const kinds::LocalMap::Robot& robot) {
   if (x.size() != angle.size()) return nodes;
   TurnNode now;
   bool any = false;
+  double missed_rad = 0, missed_heading_rad = 0;
   for (std::size_t i = 0; i < angle.size(); ++i) {
     if (!std::isfinite(angle[i])) continue;
     const Pose pose{x[i], y[i], heading[i]};
-    if (any) {
+    if (any && IsMissed(robot.fit, robot.walls.time_s[i])) {
+      missed_rad += std::remainder(angle[i] - missed_rad - now.walls_rad, std::numbers::pi / 2);
+      missed_heading_rad += WrapAngle(heading[i] - missed_heading_rad - now.heading_rad);
+    } else if (any) {
       now.travelled_m += std::hypot(x[i] - now.pose.x_m, y[i] - now.pose.y_m);
-      now.walls_rad += std::remainder(angle[i] - now.walls_rad, std::numbers::pi / 2);
-      now.heading_rad += WrapAngle(heading[i] - now.heading_rad);
+      now.walls_rad += std::remainder(angle[i] - missed_rad - now.walls_rad, std::numbers::pi / 2);
+      now.heading_rad += WrapAngle(heading[i] - missed_heading_rad - now.heading_rad);
     } else {
       now.walls_rad = angle[i];
       now.heading_rad = heading[i];

@@ -129,5 +129,18 @@ TEST(FindWallTurns, ASlipIsNotAlikeFromPassToPass) {
   EXPECT_LT(FindWallTurns(robot).alike, 0.3);
 }
 
+// What the scans themselves show of a turn that odometry missed says nothing of how walls stand.
+TEST(FindWallTurns, ATurnThatOdometryIsKnownToHaveMissedIsLeftOut) {
+  kinds::LocalMap::Robot robot = Rounds{}.Make();
+  auto angle = robot.walls.angle_rad.vector();
+  for (std::size_t i = 500; i < angle.size(); ++i)
+    angle[i] = std::fmod(angle[i] + 40 * kDegree, std::numbers::pi / 2);
+  robot.walls.angle_rad = angle;
+  EXPECT_EQ(FindWallTurns(robot).places, 1U);
+  const std::vector<double> from_s{499}, until_s{501}, quarter{std::numbers::pi / 2}, none{0};
+  robot.fit = {from_s, until_s, quarter, none, quarter, none, std::vector<std::uint8_t>{0}};
+  EXPECT_EQ(FindWallTurns(robot).places, 0U);
+}
+
 }  // namespace
 }  // namespace cairn::datasets

@@ -66,6 +66,19 @@ std::vector<OrientationSight> SightsOf(const std::vector<Scan>& scans, const std
   return sights;
 }
 
+// Odometry's headings made good by what the scans show of turns that it missed; the track is that of the
+// walls in the frame of dead reckoning all the same.
+OrientationTrack TrackWalls(std::vector<OrientationSight> sights, const std::vector<double>& missed_rad,
+                            const OrientationOptions& options) {
+  for (std::size_t s = 0; s < missed_rad.size(); ++s) {
+    sights[s].heading_rad += missed_rad[s];
+    sights[s].edges_m = Turned(sights[s].edges_m, missed_rad[s]);
+  }
+  OrientationTrack track = TrackOrientation(sights, options);
+  for (std::size_t s = 0; s < missed_rad.size(); ++s) track.at[s].angle_rad -= missed_rad[s];
+  return track;
+}
+
 Blob NodesBlob(const std::vector<std::size_t>& nodes) {
   Blob blob;
   blob.PutVector("scan", std::vector<std::int64_t>(nodes.begin(), nodes.end()));
@@ -127,15 +140,9 @@ class Turn {
     for (std::size_t r = 0; r < robots_; ++r) {
       const BlobPtr rows = inputs_.Get(first ? RowsName(r) : PathName(r));
       std::vector<Scan> scans = RowsIn<Scan>(*rows);
-      const OrientationTrack track =
-          TrackOrientation(SightsOf(scans, watched.edges_m[r]), options_.orientation);
-      if (first) {
-        for (const Contradiction& c : watched.motion[r]) {
-          RequireWithin("a contradiction's scan", c.from, 0, c.to);
-          RequireWithin("a contradiction's scan", c.to, 0, static_cast<std::int64_t>(scans.size()) - 1);
-        }
-        Share(MotionName(r), cairn::BlobOf(watched.motion[r]));
-      }
+      if (first) ShareMotion(r, watched.motion[r], scans);
+      const OrientationTrack track = TrackWalls(SightsOf(scans, watched.edges_m[r]),
+                                                MissedTurns(watched.motion[r], scans), options_.orientation);
       Share(WallsName(r), WallsBlob(track, first ? nullptr : inputs_.Get(WallsName(r)).get()));
       const double scale = first ? 1 : FitScale(watched.approaches[r]);
       Correct(track, scale, &scans);
@@ -156,6 +163,15 @@ class Turn {
       scans += static_cast<double>(inputs_.Get(RowsName(r))->at("time_s").size());
     ExpectRest(options_, scans, -1, &step_.plan);
     step_.plan.set_note(note);
+  }
+
+  void ShareMotion(std::size_t r, const std::vector<Contradiction>& motion, const std::vector<Scan>& scans) {
+    for (const Contradiction& c : motion) {
+      RequireWithin("a contradiction's scan", c.to, std::int64_t{1},
+                    static_cast<std::int64_t>(scans.size()) - 1);
+      RequireWithin("a contradiction's scan", c.from, std::int64_t{0}, c.to - 1);
+    }
+    Share(MotionName(r), cairn::BlobOf(motion));
   }
 
   void PlanSegments(std::size_t r, const std::vector<Scan>& scans, const char* kind) {

@@ -14,15 +14,17 @@ namespace {
 
 constexpr int kLap = 4 * 50;
 
+std::vector<TestWall> Room() {
+  std::vector<TestWall> all = TestBox(7, 7, {0, 0, 0});
+  for (const TestWall& wall : TestBox(1.2, 0.5, {1.5, 3.2, 0})) all.push_back(wall);
+  for (const TestWall& wall : TestBox(0.5, 0.9, {-3.2, -1, 0})) all.push_back(wall);
+  for (const TestWall& wall : TestBox(0.8, 0.6, {-1, -3.2, 0})) all.push_back(wall);
+  return all;
+}
+
 // A robot that drives round and round a room by odometry whose heading drifts. NaN ranges: `missing` sensors.
 Blob RoomLog(int laps, int missing = 0, int jump_at = -1) {
-  const std::vector<TestWall> walls = [] {
-    std::vector<TestWall> all = TestBox(7, 7, {0, 0, 0});
-    for (const TestWall& wall : TestBox(1.2, 0.5, {1.5, 3.2, 0})) all.push_back(wall);
-    for (const TestWall& wall : TestBox(0.5, 0.9, {-3.2, -1, 0})) all.push_back(wall);
-    for (const TestWall& wall : TestBox(0.8, 0.6, {-1, -3.2, 0})) all.push_back(wall);
-    return all;
-  }();
+  const std::vector<TestWall> walls = Room();
   Rng rng(4);
   Pose pose{-2, -2, 0};
   std::vector<double> time, turn, forward, range, x, y, heading;
@@ -62,6 +64,47 @@ Blob RoomLog(int laps, int missing = 0, int jump_at = -1) {
   log.PutVector(sonar + "beam_heading_rad", bh);
   log.PutScalar(sonar + "opening_rad", kTestOpeningRad);
   log.PutScalar(sonar + "max_range_m", 5.0);
+  log.PutVector("truth/x_m", x);
+  log.PutVector("truth/y_m", y);
+  return log;
+}
+
+// The same with a laser; in its turn number `missed` its encoders stand still.
+Blob LaserRoomLog(int laps, int missed) {
+  const std::vector<TestWall> walls = Room();
+  Rng rng(4);
+  Pose pose{-1.6, -1.6, 0};
+  std::vector<double> time, turn, forward, range, x, y, bx, by, bh;
+  for (int k = 0; k < laps * kLap; ++k) {
+    const bool turns = k % 50 >= 40;
+    const Pose step = turns ? Pose{0, 0, M_PI / 20} : Pose{0.08, 0, 0};
+    pose = Compose(pose, step);
+    time.push_back(0.2 * (k + 1));
+    turn.push_back((turns && k / 50 == missed ? 0 : step.heading_rad * 1.01) + 0.0004 + 0.002 * rng.Normal());
+    forward.push_back(step.x_m * 1.01);
+    const std::vector<double> scan = LaserScan(walls, pose, rng);
+    range.insert(range.end(), scan.begin(), scan.end());
+    x.push_back(pose.x_m);
+    y.push_back(pose.y_m);
+  }
+  for (const Pose& beam : LaserBeams()) {
+    bx.push_back(beam.x_m);
+    by.push_back(beam.y_m);
+    bh.push_back(beam.heading_rad);
+  }
+  Blob log;
+  log.Put("robots", Array::Texts({"ann"}));
+  log.PutVector("robot/0/odometry/time_s", time);
+  log.PutVector("robot/0/odometry/turn_rad", turn);
+  log.PutVector("robot/0/odometry/forward_m", forward);
+  const std::string laser = "robot/0/laser/";
+  log.PutVector(laser + "time_s", time);
+  log.Put(laser + "range_m", Array::Of<double>({laps * kLap, static_cast<std::int64_t>(bh.size())}, range));
+  log.PutVector(laser + "beam_x_m", bx);
+  log.PutVector(laser + "beam_y_m", by);
+  log.PutVector(laser + "beam_heading_rad", bh);
+  log.PutScalar(laser + "opening_rad", 0.0);
+  log.PutScalar(laser + "max_range_m", 10.0);
   log.PutVector("truth/x_m", x);
   log.PutVector("truth/y_m", y);
   return log;
@@ -140,6 +183,20 @@ TEST(LocalMap, AJumpOfOdometryCutsTheRunAndTheLoopsJoinItAgain) {
   ASSERT_EQ(map->at("robot/0/cuts/time_s").size(), 1);
   EXPECT_EQ(map->Texts("robot/0/cuts/why")[0], "jump");
   EXPECT_LT(ErrorM(log, *map), 0.15);
+}
+
+TEST(LocalMap, ATurnThatOdometryMissesIsTakenFromTheScans) {
+  for (const int missed : {-1, 4}) {
+    const Blob log = LaserRoomLog(3, missed);
+    const BlobPtr map = Map(log);
+    EXPECT_LT(ErrorM(log, *map), 0.1) << missed;
+    const auto fit = Read<kinds::LocalMap>(*map).robot[0].fit;
+    ASSERT_EQ(fit.from_s.vector().size(), missed < 0 ? 0U : 1U);
+    if (missed < 0) continue;
+    EXPECT_NEAR(fit.from_s[0], 0.2 * (missed * 50 + 40), 1);
+    EXPECT_NEAR(fit.path_turn_rad[0], M_PI / 2, 0.3);
+    EXPECT_NEAR(fit.odometry_turn_rad[0], 0, 0.1);
+  }
 }
 
 TEST(LocalMap, SensorsMayBeMissing) {

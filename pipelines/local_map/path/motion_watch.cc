@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <utility>
 
 namespace cairn::local_map {
 namespace {
@@ -110,14 +112,15 @@ std::vector<Disagreement> ChainsOf(std::size_t watch, const std::vector<Contradi
                                    const std::vector<Scan>& scans) {
   std::vector<Disagreement> chains;
   Point apart;
-  for (const Contradiction& c : found) {
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Contradiction& c = found[i];
     if (c.watch != static_cast<std::int32_t>(watch)) continue;
     const Scan &from = scans.at(static_cast<std::size_t>(c.from)),
                &to = scans.at(static_cast<std::size_t>(c.to));
     const bool follows = !chains.empty() && !c.hole && !chains.back().hole &&
                          from.time_s - chains.back().until_s <= 2 * kWatches[watch].over_s;
     if (!follows) {
-      chains.push_back({.from_s = from.time_s});
+      chains.emplace_back().from_s = from.time_s;
       apart = {};
     }
     const Pose path = Between(from.pose, to.pose);
@@ -131,28 +134,58 @@ std::vector<Disagreement> ChainsOf(std::size_t watch, const std::vector<Contradi
     chain.odometry_turn_rad += c.odometry.heading_rad;
     chain.path_turn_rad += path.heading_rad;
     chain.apart_m = std::hypot(apart.x_m, apart.y_m);
-    ++chain.pairs;
+    chain.of.push_back(i);
   }
   return chains;
+}
+
+constexpr double kLeastTurn_rad = 35 * kDeg, kLeast_m = 0.5;
+
+double Missed(const Disagreement& chain) { return chain.scans_turn_rad - chain.odometry_turn_rad; }
+
+// What a chain tells of most: turns first, for while a robot turns ways are seen badly.
+std::pair<double, double> Weight(const Disagreement& chain) {
+  const double turn = std::max(std::abs(chain.scans_turn_rad - chain.path_turn_rad), std::abs(Missed(chain)));
+  return {turn >= kLeastTurn_rad ? turn : 0, chain.apart_m};
 }
 
 }  // namespace
 
 std::vector<Disagreement> Disagreements(const std::vector<Contradiction>& found,
                                         const std::vector<Scan>& scans) {
-  constexpr double kLeastTurn_rad = 35 * kDeg, kLeast_m = 0.5;
-  std::vector<Disagreement> all;
+  std::vector<Disagreement> chains, all;
   for (std::size_t w = 0; w < kWatches.size(); ++w) {
     for (const Disagreement& chain : ChainsOf(w, found, scans)) {
-      const double turn = std::abs(chain.scans_turn_rad - chain.path_turn_rad);
+      const auto [turn, apart_m] = Weight(chain);
       // Two scans alone may be of two places that look alike.
-      const bool is_sure = chain.hole || chain.pairs > 1;
-      if (!is_sure) continue;
-      if (chain.hole || turn >= kLeastTurn_rad || chain.apart_m >= kLeast_m) all.push_back(chain);
+      if (chain.hole || (chain.of.size() > 1 && (turn > 0 || apart_m >= kLeast_m))) chains.push_back(chain);
     }
+  }
+  // Of those that tell of one time, the one that tells of the most.
+  std::ranges::stable_sort(chains, std::ranges::greater{}, Weight);
+  for (const Disagreement& chain : chains) {
+    const bool is_told = std::ranges::any_of(all, [&](const Disagreement& other) {
+      return chain.from_s < other.until_s && other.from_s < chain.until_s;
+    });
+    if (!is_told) all.push_back(chain);
   }
   std::ranges::stable_sort(all, {}, &Disagreement::from_s);
   return all;
+}
+
+std::vector<double> MissedTurns(const std::vector<Contradiction>& found, const std::vector<Scan>& scans) {
+  std::vector<double> more;
+  for (const Disagreement& chain : Disagreements(found, scans)) {
+    if (std::abs(Missed(chain)) < kLeastTurn_rad) continue;
+    more.resize(scans.size());
+    for (const std::size_t i : chain.of) {
+      const double step = found[i].seen.heading_rad - found[i].odometry.heading_rad;
+      for (std::int64_t s = found[i].from + 1; s <= found[i].to; ++s)
+        more[static_cast<std::size_t>(s)] += step / static_cast<double>(found[i].to - found[i].from);
+    }
+  }
+  std::partial_sum(more.begin(), more.end(), more.begin());
+  return more;
 }
 
 }  // namespace cairn::local_map

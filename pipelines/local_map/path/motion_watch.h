@@ -63,7 +63,7 @@ struct Disagreement {
   double scans_turn_rad = 0, odometry_turn_rad = 0, path_turn_rad = 0;  // summed over the stretch
   double apart_m = 0;  // by which the ways of the scans and of the path differ
   bool hole = false;
-  int pairs = 0;  // of scans that say so
+  std::vector<std::size_t> of;  // contradictions that say so
   static void Fields(const auto& field) {
     field("from_s", &Disagreement::from_s);
     field("until_s", &Disagreement::until_s);
@@ -75,10 +75,14 @@ struct Disagreement {
   }
 };
 
-// Of what was found along dead reckoning, what the path of `scans` does not do as the scans show it.
-// Contradictions that follow each other are one; those that are too little to harm a map, as where a clock is
-// off, are left out. In order of time.
+// Of what was found along dead reckoning, where odometry does not turn as the scans show it, and where the
+// path of `scans` does not move so. Contradictions that follow each other are one; those that are too little
+// to harm a map, as where a clock is off, are left out. In order of time, none during another.
 std::vector<Disagreement> Disagreements(const std::vector<Contradiction>& found,
                                         const std::vector<Scan>& scans);
+
+// By how much more than odometry the robot has turned at each scan, as the scans show it where both disagree
+// much; empty where they nowhere do. `scans` along dead reckoning.
+std::vector<double> MissedTurns(const std::vector<Contradiction>& found, const std::vector<Scan>& scans);
 
 }  // namespace cairn::local_map

@@ -110,23 +110,50 @@ TEST(MotionWatch, SaysWhereTheRecorderWasPausedAndTheRobotDroveOn) {
   }
 }
 
-// What a path makes good, it does not contradict.
-TEST(MotionWatch, OfAPathThatMovesAsTheScansShowNothingIsSaid) {
+// Five scans, of each pair of which this was seen where odometry stood still.
+struct Told {
+  explicit Told(const Pose& seen) {
+    for (std::int64_t s = 0; s < 5; ++s) {
+      scans.emplace_back().time_s = 0.4 * static_cast<double>(s);
+      if (s > 0) found.push_back({0, s - 1, s, seen, {}, false});
+    }
+  }
   std::vector<Contradiction> found;
   std::vector<Scan> scans;
-  Pose at;
-  for (std::int64_t s = 0; s < 5; ++s) {
-    scans.push_back({.time_s = 0.4 * static_cast<double>(s), .pose = at});
-    at = Compose(at, {0, 0, 0.4});
-    if (s > 0) found.push_back({0, s - 1, s, {0, 0, 0.4}, {}, false});
-  }
-  EXPECT_TRUE(Disagreements(found, scans).empty());
-  for (Scan& scan : scans) scan.pose = {};
-  ASSERT_EQ(Disagreements(found, scans).size(), 1U);
-  EXPECT_NEAR(Disagreements(found, scans).front().scans_turn_rad, 1.6, 1e-9);
-  found.resize(1);  // two scans alone
-  found.front().seen.heading_rad = 1;
-  EXPECT_TRUE(Disagreements(found, scans).empty());
+};
+
+TEST(MotionWatch, AWayThatThePathMakesGoodIsNoDisagreement) {
+  Told told({0.2, 0, 0});
+  ASSERT_EQ(Disagreements(told.found, told.scans).size(), 1U);
+  EXPECT_NEAR(Disagreements(told.found, told.scans)[0].apart_m, 0.8, 1e-9);
+  for (std::size_t s = 0; s < told.scans.size(); ++s) told.scans[s].pose.x_m = 0.2 * static_cast<double>(s);
+  EXPECT_TRUE(Disagreements(told.found, told.scans).empty());
+}
+
+TEST(MotionWatch, ATurnThatThePathMakesGoodIsSaidAllTheSame) {
+  Told told({0, 0, 0.4});
+  for (std::size_t s = 0; s < told.scans.size(); ++s)
+    told.scans[s].pose.heading_rad = 0.4 * static_cast<double>(s);
+  const std::vector<Disagreement> said = Disagreements(told.found, told.scans);
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_NEAR(said[0].scans_turn_rad, 1.6, 1e-9);
+  EXPECT_NEAR(said[0].path_turn_rad, 1.6, 1e-9);
+  EXPECT_NEAR(said[0].odometry_turn_rad, 0, 1e-9);
+}
+
+TEST(MotionWatch, TwoScansAloneAreNotBelieved) {
+  Told told({0, 0, 1});
+  told.found.resize(1);
+  EXPECT_TRUE(Disagreements(told.found, told.scans).empty());
+  EXPECT_TRUE(MissedTurns(told.found, told.scans).empty());
+}
+
+TEST(MotionWatch, MissedTurnsAreSummedOverTheScans) {
+  Told told({0, 0, 0.4});
+  const std::vector<double> missed = MissedTurns(told.found, told.scans);
+  ASSERT_EQ(missed.size(), 5U);
+  for (std::size_t s = 0; s < 5; ++s) EXPECT_NEAR(missed[s], 0.4 * static_cast<double>(s), 1e-9) << s;
+  EXPECT_TRUE(MissedTurns(Told({0.5, 0, 0}).found, told.scans).empty());
 }
 
 TEST(MotionWatch, WithoutALaserSeesNothing) {

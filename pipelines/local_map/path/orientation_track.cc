@@ -192,6 +192,13 @@ void AddEdge(double angle_rad, double length_m, EdgeHistogram* histogram) {
   (*histogram)[(bin + 1) % kBins] += static_cast<float>(part * length_m);
 }
 
+EdgeHistogram Turned(const EdgeHistogram& histogram, double angle_rad) {
+  EdgeHistogram turned{};
+  for (std::size_t b = 0; b < kBins; ++b)
+    if (histogram[b] > 0) AddEdge(static_cast<double>(b) * kBin_rad + angle_rad, histogram[b], &turned);
+  return turned;
+}
+
 OrientationTrack TrackOrientation(const std::vector<OrientationSight>& sights,
                                   const OrientationOptions& options) {
   OrientationTrack track;

@@ -26,6 +26,9 @@ using EdgeHistogram = std::array<float, kBins>;
 // Shares `length_m` among the two nearest bins, whose middles are at k kBin_rad.
 void AddEdge(double angle_rad, double length_m, EdgeHistogram* histogram);
 
+// The same edges in a frame that is turned clockwise by so much.
+EdgeHistogram Turned(const EdgeHistogram& histogram, double angle_rad);
+
 struct OrientationSight {
   double path_m = 0;        // distance travelled so far
   double heading_rad = 0;   // by odometry, not wrapped

@@ -72,6 +72,16 @@ TEST(OrientationTrack, WithoutEdgesHasSeenNothing) {
   EXPECT_TRUE(TrackOrientation({}, {}).at.empty());
 }
 
+TEST(EdgeHistogram, TurnsModuloAQuarterTurn) {
+  EdgeHistogram histogram{};
+  AddEdge(10 * kBin_rad, 2, &histogram);
+  AddEdge(80 * kBin_rad, 1, &histogram);
+  const EdgeHistogram turned = Turned(histogram, M_PI + 20 * kBin_rad);
+  EXPECT_NEAR(turned[30], 2, 1e-5);
+  EXPECT_NEAR(turned[10], 1, 1e-5);
+  EXPECT_NEAR(turned[80], 0, 1e-5);
+}
+
 TEST(EdgeHistogram, KeepsTheMeanOfAnAngle) {
   EdgeHistogram histogram{};
   AddEdge(0.0123, 2, &histogram);
