@@ -108,6 +108,8 @@ class Run {
   fs::path ResultFile(const std::string& stage) const { return fs::path(options_.dir) / (stage + ".h5"); }
   // Stages of the run that `force` replaces, while their results are still there.
   fs::path ReplacedFile() const { return folder_.dir() / "replaced"; }
+  std::set<std::string> StagesHere() const;
+  std::optional<fs::path> InputThatWouldGo() const;
   Status Clear();
   std::vector<fs::path> MadeOf(const std::set<std::string>& stages) const;
   bool IsInputFile(const fs::path& file) const;
@@ -139,24 +141,33 @@ class Run {
   std::optional<EmbeddedResult> trouble_;  // that ends the run, whatever the job's state
 };
 
-// Forgets earlier runs. Their results stay until the new run has one of its own: it may yet be refused. What
-// the store alone tells of them is written down before it goes.
-Status Run::Clear() {
+// Of earlier runs, whose results may be there.
+std::set<std::string> Run::StagesHere() const {
   std::set<std::string> stages = ReadStages(ReplacedFile());
   for (const std::string& job : folder_.JobsWithCheckpoints())
     for (const std::uint64_t number : folder_.CheckpointNumbers(job))
       if (const auto checkpoint = ReadCheckpoint(folder_.CheckpointFile(job, number)); checkpoint.ok())
         for (const proto::Stage& stage : checkpoint.value().job().stages())
           if (IsPlainName(stage.name())) stages.insert(stage.name());
-  std::set<std::string> with_new = stages;
-  for (const proto::Stage& stage : job_.stages()) with_new.insert(stage.name());
-  for (const fs::path& file : MadeOf(with_new))
-    if (IsInputFile(file))
-      return {Code::kRefused, "'" + file.string() + "' is an input, and would go with the earlier run of " +
-                                  options_.dir + ": name another folder"};
+  return stages;
+}
+
+std::optional<fs::path> Run::InputThatWouldGo() const {
+  std::set<std::string> stages = StagesHere();
+  for (const proto::Stage& stage : job_.stages()) stages.insert(stage.name());
+  for (const fs::path& file : MadeOf(stages))
+    if (IsInputFile(file)) return file;
+  return std::nullopt;
+}
+
+// Forgets earlier runs. Their results stay until the new run has one of its own: it may yet be refused. What
+// the store alone tells of them is written down before it goes.
+Status Run::Clear() {
+  std::set<std::string> stages = StagesHere();
   if (const Status status = WriteReplaced(stages); !status.ok()) return status;
   if (const Status status = folder_.Clear(); !status.ok()) return status;
-  return WriteReplaced(with_new);
+  for (const proto::Stage& stage : job_.stages()) stages.insert(stage.name());
+  return WriteReplaced(stages);
 }
 
 // Results and pages of a run with these stages.
@@ -304,10 +315,13 @@ wire::SharedMemory Run::ShareInputs() const {
 
 EmbeddedResult Run::Do(const std::function<void(const EmbeddedProgress&)>& on_progress,
                        const std::atomic<bool>& stop) {
-  if (options_.force)
-    if (const Status status = Clear(); !status.ok())
-      return End(status.code() == Code::kRefused ? EmbeddedEnd::kInputError : EmbeddedEnd::kFailed,
-                 status.message());
+  if (options_.force) {
+    if (const auto input = InputThatWouldGo())
+      return End(EmbeddedEnd::kInputError, "'" + input->string() +
+                                               "' is an input, and would go with the earlier run of " +
+                                               options_.dir + ": name another folder");
+    if (const Status status = Clear(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
+  }
   if (const Status status = Open(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
   if (EarlierRunIsWorthless()) {
     server_.reset();

@@ -145,12 +145,13 @@ TEST(ExportG2o, WritesVerticesAndEdgesThatAgree) {
 TEST(ExportG2o, AnObservationBetweenTwoVerticesIsTakenToTheOneBefore) {
   const TestFolder folder;
   Blob log = SmallLog();
-  const auto time = SmallResult().Get<double>("robot/0/poses/time_s");
+  const Blob result = SmallResult();
+  const auto time = result.Get<double>("robot/0/poses/time_s");
   const auto seen = log.Get<double>("robot/0/observations/time_s");
   std::vector<double> moved(seen.begin(), seen.end());
   moved[0] = (time[0] + time[1]) / 2;
   log.PutVector("robot/0/observations/time_s", moved);
-  const auto lines = LinesOf(ExportG2o(SmallResult(), &log, folder / "").value().at(0));
+  const auto lines = LinesOf(ExportG2o(result, &log, folder / "").value().at(0));
   const double heading = 0.5 + M_PI / 4;
   ExpectNear(Numbers(lines[11], "EDGE_SE2_XY "),
              {0, 6, 0.5 + 2 * std::cos(heading), 2 * std::sin(heading), 100, 0, 100}, 1e-9);
