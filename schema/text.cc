@@ -92,6 +92,12 @@ Status CheckTexts(const Blob& blob) {
   return Status::Ok();
 }
 
+std::string CutTo(std::string_view text, std::size_t most) {
+  if (text.size() > most)
+    while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xc0) == 0x80) --most;
+  return std::string(text.substr(0, most));
+}
+
 std::string Escaped(std::string_view text) {
   std::string shown;
   shown.reserve(text.size());

@@ -33,6 +33,9 @@ std::string WhatIsWrongWithText(std::string_view text);
 // `robots`, `landmarks` and `runs` of at most kMostNameBytes), a text alone may have lines.
 Status CheckTexts(const Blob& blob);
 
+// The first `most` bytes of it, fewer where the last would be part of a character; all where it has no more.
+std::string CutTo(std::string_view text, std::size_t most);
+
 // For a terminal, a log, a page: all but newlines and tabs that is not to be seen is written as \u001b, and a
 // byte that is no UTF-8 as \xff. Within JSON, where neither can stand unescaped but DEL and C1, it stays
 // JSON.

@@ -7,6 +7,13 @@
 namespace cairn {
 namespace {
 
+TEST(Text, IsCutBetweenCharacters) {
+  EXPECT_EQ(CutTo("abc", 3), "abc");
+  EXPECT_EQ(CutTo("abc", 2), "ab");
+  EXPECT_EQ(CutTo("aü", 2), "a");
+  EXPECT_EQ(CutTo("aü", 3), "aü");
+}
+
 TEST(Text, NothingThatATerminalObeysIsShown) {
   EXPECT_EQ(Escaped("Rosa\x1b[2J\x07\r"), "Rosa\\u001b[2J\\u0007\\u000d");
   EXPECT_EQ(Escaped(std::string("a\0b", 3)), "a\\u0000b");

@@ -9,6 +9,7 @@
 #include "coordinator/server/rights.h"
 #include "coordinator/server/server.h"
 #include "schema/store/blob_file.h"
+#include "schema/text.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -30,10 +31,8 @@ std::string FileNamePart(const std::string& name) {
 
 // Enough of a name to know it by; it may be of 64 MB.
 std::string FirstOf(const std::string& name) {
-  std::size_t most = 200;
-  if (name.size() <= most) return name;
-  while (most > 0 && (static_cast<unsigned char>(name[most]) & 0xc0) == 0x80) --most;  // of one character
-  return name.substr(0, most) + "…";
+  constexpr std::size_t kMost = 200;
+  return name.size() <= kMost ? name : CutTo(name, kMost) + "…";
 }
 
 // The latest ten, where there are more.

@@ -10,6 +10,7 @@
 #include "schema/kinds/kind.h"
 #include "schema/kinds/provenance.h"
 #include "schema/store/blob_file.h"
+#include "schema/text.h"
 
 namespace cairn::coordinator {
 
@@ -33,7 +34,7 @@ Blob WithProvenance(const Blob& result, const proto::Checkpoint& checkpoint, std
   const auto column = [&](const auto& of) { return ColumnOf(rounds, of); };
   const auto count = [](std::uint64_t n) { return static_cast<std::int64_t>(n); };
   kinds::Provenance of;
-  of.round.note = column([](const proto::RoundFacts& round) { return round.note(); });
+  of.round.note = column([](const proto::RoundFacts& round) { return CutTo(round.note(), kMostTextBytes); });
   of.round.rounds =
       column([&](const auto& round) { return std::max<std::int64_t>(1, count(round.rounds())); });
   of.round.tasks = column([&](const auto& round) { return count(round.tasks()); });

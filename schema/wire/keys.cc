@@ -46,11 +46,23 @@ std::string WhyUnsafe(int fd) {
   return (info.st_mode & 077) == 0 ? "" : "others can read this secret key; chmod 600 it";
 }
 
+// Why a public key may be anybody's: whoever can write to it, or to its folder, chooses whom it names.
+std::string WhyAnybodys(int fd, const std::filesystem::path& path) {
+  struct stat file{}, folder{};
+  if (::fstat(fd, &file) == 0 && S_ISREG(file.st_mode) && (file.st_mode & S_IWOTH) != 0)
+    return "anybody can write to this key; chmod o-w it";
+  const std::filesystem::path parent = std::filesystem::absolute(path).parent_path();
+  const bool known = ::stat(parent.c_str(), &folder) == 0;
+  if (known && (folder.st_mode & S_IWOTH) != 0 && (folder.st_mode & S_ISVTX) == 0)
+    return "anybody can put another key in its place; chmod o-w " + parent.string();
+  return "";
+}
+
 // The file's text; the caller wipes it.
 Result<std::string> ReadText(const std::filesystem::path& path, bool secret) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd < 0) return Status(Code::kNotFound, path.string() + ": " + ::strerror(errno));
-  if (const std::string why = secret ? WhyUnsafe(fd) : ""; !why.empty()) {
+  if (const std::string why = secret ? WhyUnsafe(fd) : WhyAnybodys(fd, path); !why.empty()) {
     ::close(fd);
     return Status(Code::kRefused, path.string() + ": " + why);
   }

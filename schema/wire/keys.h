@@ -26,7 +26,7 @@ Status WriteKeyPair(const std::filesystem::path& stem, const KeyPair& keys);
 // Reads a .key file. kRefused where it is another's, or others than its owner may read it. From then on this
 // process leaves no core dump.
 Result<KeyPair> ReadKeyPair(const std::filesystem::path& path);
-// Reads the one key of a .pub file.
+// Reads the one key of a .pub file. kRefused where anybody can write to it, or put another in its place.
 Result<std::string> ReadPublicKey(const std::filesystem::path& path);
 
 }  // namespace cairn::wire

@@ -53,6 +53,21 @@ TEST(Keys, ASecretThatOthersCanReadIsRefused) {
   EXPECT_EQ(ReadKeyPair(folder.path() / "site.key").status().code(), Code::kRefused);
 }
 
+TEST(Keys, APublicKeyThatAnybodyCanExchangeIsRefused) {
+  namespace fs = std::filesystem;
+  const PrivateFolder folder;
+  const fs::path keys = folder.path() / "keys", key = keys / "site.pub";
+  fs::create_directory(keys);
+  ASSERT_TRUE(WriteKeyPair(keys / "site", GenerateKeyPair()).ok());
+  EXPECT_TRUE(ReadPublicKey(key).ok());
+  fs::permissions(keys, fs::perms::others_write, fs::perm_options::add);
+  EXPECT_EQ(ReadPublicKey(key).status().code(), Code::kRefused);
+  fs::permissions(keys, fs::perms::sticky_bit, fs::perm_options::add);
+  EXPECT_TRUE(ReadPublicKey(key).ok());
+  fs::permissions(key, fs::perms::others_write, fs::perm_options::add);
+  EXPECT_EQ(ReadPublicKey(key).status().code(), Code::kRefused);
+}
+
 TEST(Keys, ACutKeyFileIsCorruptAtEveryByte) {
   const PrivateFolder folder;
   ASSERT_TRUE(WriteKeyPair(folder.path() / "site", GenerateKeyPair()).ok());
