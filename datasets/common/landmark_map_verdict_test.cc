@@ -266,9 +266,9 @@ TEST(LandmarkMapVerdict, ARobotWhosePlaceIsUncertainIsNamed) {
 }
 
 TEST(LandmarkMapVerdict, WhereMostObservationsAreOfNoLandmarkItIsLow) {
-  const auto explained = [](std::vector<std::int32_t> landmark) {
+  const auto explained = [](const std::vector<std::int32_t>& landmark) {
     Blob map = FittedMap(200, 0, 0, 0);
-    map.PutVector("robot/0/observations/map_landmark", std::move(landmark));
+    map.PutVector("robot/0/observations/map_landmark", landmark);
     return LandmarkMapVerdict(map);
   };
   EXPECT_EQ(explained({0, 0, -1, -1}).trust, Confidence::kFair);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pipelines/common/handed_over.h"
+#include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/landmarks/image_landmarks.h"
 #include "pipelines/landmark_map/model/m_step.h"
 #include "pipelines/landmark_map/refinement/robot_ties.h"

@@ -10,6 +10,7 @@
 #include "coordinator/cli/common/result_file.h"
 #include "coordinator/cli/output/text_table.h"
 #include "datasets/import/recognize.h"
+#include "datasets/kinds/result_kinds.h"
 #include "schema/kinds/kind.h"
 #include "schema/store/blob_file.h"
 
