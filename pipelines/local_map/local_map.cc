@@ -32,6 +32,17 @@ void RequireRanges(const Blob& log) {
   throw InputError("the log has no range scans: a local map is made of sonar, infra-red or laser");
 }
 
+// Lines are looked for among pairs of a scan's ends: a scan of millions would hold a worker for hours.
+void RequireFewBeams(const PosedScans& scans, const RobotRuns& robot) {
+  constexpr std::size_t kMostBeams = 20'000;
+  std::size_t beams = 0;
+  for (const std::size_t s : robot.sensors) beams += scans.sensors[s].beams.size();
+  if (beams <= kMostBeams) return;
+  throw InputError("'" + scans.sensors[robot.sensors.front()].name + "': a scan of " + std::to_string(beams) +
+                   " beams; a local map takes at most " + std::to_string(kMostBeams) +
+                   " of a robot's sensors together: leave out most of them");
+}
+
 std::string NoteOf(const std::vector<RobotRuns>& robots, std::size_t unposed) {
   std::size_t scans = 0, cuts = 0;
   for (const RobotRuns& runs : robots) {
@@ -54,6 +65,7 @@ Step LocalMap::Start(const Inputs& inputs) const {
   const DeadReckoning reckoning = ReckonAll(*log, options_.runs);
   const PosedScans scans = ReadScans(*log, reckoning.poses, options_);
   const std::vector<RobotRuns> robots = CutRuns(scans, reckoning, options_.runs);
+  for (const RobotRuns& robot : robots) RequireFewBeams(scans, robot);
   Step step;
   State& state = *step.plan.mutable_state();
   PutScalars(Standing{.robots = static_cast<std::int64_t>(robots.size())}, "", &state);

@@ -221,6 +221,15 @@ TEST(LocalMap, RefusesALogWithoutRangesOrWithTimeThatRunsBackwards) {
   times[5] = 0;
   backwards.PutVector("robot/0/sonar/time_s", times);
   EXPECT_NE(refusal(backwards).find("'robot/0/sonar/time_s', entry 5"), std::string::npos);
+
+  constexpr std::int64_t kBeams = 20'001;
+  Blob fine = log;
+  const std::vector<double> beams(kBeams, 0.0), ranges(2 * kBeams, 1.0);
+  fine.PutVector("robot/0/sonar/time_s", std::vector<double>{times[0] + 1, times[1] + 1});
+  fine.Put("robot/0/sonar/range_m", Array::Of<double>({2, kBeams}, ranges));
+  for (const char* name : {"beam_x_m", "beam_y_m", "beam_heading_rad"})
+    fine.PutVector(std::string("robot/0/sonar/") + name, beams);
+  EXPECT_NE(refusal(fine).find("a scan of 20001 beams"), std::string::npos) << refusal(fine);
 }
 
 }  // namespace
