@@ -256,9 +256,10 @@ struct WallSums {
   double error_rad = 0, first_lock_s = 0;
 };
 
+constexpr double kSame_rad = 1e-6;  // walls that stand so
+
 // The walls that most rows are of: those of the building, whichever way its frame is turned.
 double MainWalls(std::span<const double> angle_rad) {
-  constexpr double kSame_rad = 1e-6;
   std::map<std::int64_t, std::size_t> rows;
   double main_rad = 0;
   std::size_t most = 0;
@@ -278,7 +279,6 @@ void AddWalls(const Robot& robot, WallSums* sums) {
                                 true_time = robot.of_truth.walls_time_s,
                                 true_angle = robot.of_truth.walls_angle_rad;
   const std::span<const std::uint8_t> locked = walls.locked, other = walls.other_area;
-  constexpr double kSame_rad = 1e-6;
   const double main_rad = MainWalls(true_angle);
   bool begun = false;
   for (std::size_t i = 0; i < time.size(); ++i) {

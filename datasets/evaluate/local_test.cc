@@ -127,6 +127,26 @@ TEST(EvaluateLocal, TurnedAreasAreToldAndLeftOutOfTheError) {
   EXPECT_NEAR(*score.walls->other_area_false, 0.2, 1e-12);
 }
 
+TEST(EvaluateLocal, WhicheverWayTheTruthIsTurnedItsWallsScoreTheSame) {
+  for (const double turned_rad : {1e-3, 0.02, 1.0, std::numbers::pi / 2, 3.0}) {
+    Blob log = Log();
+    std::vector<double> x, y, walls(11, turned_rad);
+    for (int i = 0; i <= 10; ++i) {
+      x.push_back((5 + i) * std::cos(turned_rad) - 2 * std::sin(turned_rad));
+      y.push_back((5 + i) * std::sin(turned_rad) + 2 * std::cos(turned_rad));
+    }
+    for (std::size_t i = 7; i < 11; ++i) walls[i] += 30 * kDegree;
+    log.PutVector("truth/robot/0/poses/x_m", x);
+    log.PutVector("truth/robot/0/poses/y_m", y);
+    log.PutVector("truth/robot/0/poses/heading_rad", std::vector<double>(11, turned_rad));
+    log.PutVector("truth/robot/0/walls/angle_rad", walls);
+    const LocalEvaluation score = EvaluateLocal(Result(log), log);
+    ASSERT_TRUE(score.walls.has_value()) << turned_rad;
+    EXPECT_EQ(score.walls->scans, 5) << turned_rad;  // 2 to 6
+    EXPECT_NEAR(score.walls->error_deg, 1, 1e-6) << turned_rad;
+  }
+}
+
 TEST(EvaluateLocal, ALoopIsWrongWhereTheTruthHasTheRobotElsewhere) {
   const Blob log = Log();
   const LocalEvaluation score = EvaluateLocal(Result(log), log);
