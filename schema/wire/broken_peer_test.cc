@@ -59,6 +59,24 @@ TEST(Socket, ADroppedPeersConnectionIsClosed) {
   ASSERT_TRUE(good && good->status.ok());
 }
 
+// ZeroMQ tells of the loss before it has ended the connection: what it takes in between never arrives.
+TEST(Socket, WhatIsSentAfterAConnectionWasLostGoesOverTheNext) {
+  Link link;
+  ASSERT_EQ(AwaitEvent(link.dealer), LinkEvent::kConnected);
+  for (int round = 0; round < 50; ++round) {
+    ASSERT_TRUE(link.dealer.Send(HelloMessage("before")).ok());
+    const std::optional<Received> before = AwaitMessage(link.router);
+    ASSERT_TRUE(before);
+    link.router.Drop(before->peer);
+    while (link.dealer.TryEvent() != LinkEvent::kDisconnected) {
+    }
+    while (!link.dealer.Send(HelloMessage("after")).ok()) link.dealer.TryEvent();
+    const std::optional<Received> after = AwaitMessage(link.router);
+    ASSERT_TRUE(after) << "lost in round " << round;
+    EXPECT_EQ(after->message.envelope.hello().host(), "after");
+  }
+}
+
 // Its messages outlive it, and whoever connects next has the descriptor that it had.
 TEST(Socket, DroppingAPeerThatIsGoneClosesNobodyElsesConnection) {
   PrivateFolder folder;

@@ -144,8 +144,9 @@ std::optional<Received> DealerSocket::TryReceive() {
 }
 
 Status DealerSocket::Send(Message message) {
+  // Between the event that tells of a lost connection and its end, ZeroMQ still takes messages for it.
   // Asking for the events makes ZeroMQ take note of a connection that was made or lost since the last call.
-  if ((impl_->socket.get(zmq::sockopt::events) & ZMQ_POLLOUT) == 0) {
+  if (!impl_->connected || (impl_->socket.get(zmq::sockopt::events) & ZMQ_POLLOUT) == 0) {
     return {Code::kBusy, "not connected, or the queue is full"};
   }
   return SendFrames(impl_->socket, nullptr, Encode(std::move(message)));

@@ -99,7 +99,8 @@ class DealerSocket {
   // Ask this first: an event tells which connection the messages that follow belong to.
   std::optional<LinkEvent> TryEvent();
   std::optional<Received> TryReceive();
-  // kBusy: not connected (a message is never kept for a later connection), or the queue is full.
+  // kBusy: not connected by the events that were taken (a message is never kept for a later connection), or
+  // the queue is full.
   Status Send(Message message);
   // Closes the connection and opens a new one. kDisconnected is not reported. Done after a malformed message.
   Status Reconnect();
