@@ -124,7 +124,8 @@ void TaskQueue::GiveUp(const Hash& hash) {
   const auto node = waiting_.extract(hash);
   if (node.empty()) return;
   for (const TaskPtr& task : node.mapped())
-    task->failure = "the coordinator does not have blob " + hash.Hex();
+    task->failure = "the coordinator does not have blob " + hash.Hex() +
+                    " any more, or cannot read it (its log says why): submit the job again";
   changed_.notify_all();
 }
 

@@ -56,7 +56,8 @@ void Server::Restore() {
   if (options_.given_inputs)
     for (const wire::NamedBlob& input : *options_.given_inputs) blobs_.Give(input);
   for (const RestoreJob& job : Recover(folder_, files_, inputs, published, note)) {
-    for (const std::string& blob : job.checkpoint.blobs()) blobs_.AddDurable(Hash::FromBinary(blob).value());
+    for (const std::string& binary : job.checkpoint.blobs())
+      if (const Hash blob = Hash::FromBinary(binary).value(); files_.Has(blob)) blobs_.AddDurable(blob);
     for (const Hash& blob : job.previous_blobs) blobs_.AddDurable(blob);
     Handle(job);
   }

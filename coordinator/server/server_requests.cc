@@ -72,10 +72,12 @@ void Server::Serve(const std::string& peer, const wire::Fetch& fetch) {
   if (hash.ok() && !may && blobs_.Has(hash.value()) && core_.fleet().Knows(peer))
     refusals_.Add({wire::RefusalKind::kTask, "a fetch of a blob that is not for this worker"}, Now());
   wire::Message answer;
-  if (const BlobPtr blob = may ? blobs_.Get(hash.value()) : nullptr) {
+  Status unread;
+  if (const BlobPtr blob = may ? blobs_.Get(hash.value(), &unread) : nullptr) {
     answer.envelope.mutable_blob();
     answer.blobs.push_back({hash.value(), blob});
   } else {
+    if (!unread.ok()) log_(Severity::kError, unread.message());
     answer.envelope.mutable_missing()->set_hash(hash.ok() ? fetch.hash() : std::string());
   }
   transport_.Send(peer, std::move(answer));

@@ -7,14 +7,22 @@ namespace cairn::coordinator {
 void BlobStore::Put(const wire::NamedBlob& named, std::uint64_t ticket) {
   if (given_.contains(named.hash)) return;
   const auto [it, is_new] = entries_.try_emplace(named.hash);
-  if (!is_new) return;
+  if (!is_new && !it->second.lost) return;
+  it->second = Entry();
   it->second.ticket = ticket;
   Keep(it->second, named.hash, named.blob);
   Evict();
 }
 
 void BlobStore::AddDurable(const Hash& hash) {
-  if (!given_.contains(hash)) entries_[hash].durable = true;
+  if (given_.contains(hash)) return;
+  entries_[hash].durable = true;
+  entries_[hash].lost = false;
+}
+
+bool BlobStore::Has(const Hash& hash) const {
+  const auto entry = entries_.find(hash);
+  return given_.contains(hash) || (entry != entries_.end() && !entry->second.lost);
 }
 
 void BlobStore::Keep(Entry& entry, const Hash& hash, BlobPtr blob) {
@@ -24,7 +32,7 @@ void BlobStore::Keep(Entry& entry, const Hash& hash, BlobPtr blob) {
   bytes_ += entry.bytes;
 }
 
-BlobPtr BlobStore::Get(const Hash& hash) {
+BlobPtr BlobStore::Get(const Hash& hash, Status* why) {
   if (const auto given = given_.find(hash); given != given_.end()) return given->second;
   const auto it = entries_.find(hash);
   if (it == entries_.end()) return nullptr;
@@ -34,7 +42,11 @@ BlobPtr BlobStore::Get(const Hash& hash) {
     return entry.blob;
   }
   Result<BlobPtr> read = files_.Read(hash);
-  if (!read.ok()) return nullptr;
+  entry.lost = !read.ok();
+  if (entry.lost) {
+    if (why != nullptr) *why = read.status();
+    return nullptr;
+  }
   BlobPtr blob = std::move(read).value();
   Keep(entry, hash, blob);
   Evict();

@@ -26,9 +26,10 @@ class BlobStore {
   void Put(const wire::NamedBlob& named, std::uint64_t ticket);
   // A blob that lies on disk already, read when it is asked for.
   void AddDurable(const Hash& hash);
-  bool Has(const Hash& hash) const { return entries_.contains(hash) || given_.contains(hash); }
-  // Null where it is unknown, or cannot be read back.
-  BlobPtr Get(const Hash& hash);
+  // One that could not be read back does not count: whoever has it may send it again.
+  bool Has(const Hash& hash) const;
+  // Null where it is unknown, or cannot be read back: then `why` says so, where it is asked for.
+  BlobPtr Get(const Hash& hash, Status* why = nullptr);
   void Drop(const std::vector<Hash>& hashes);
   void MarkDurable(const std::vector<Hash>& hashes, std::uint64_t ticket);
   bool Durable(const Hash& hash) const;
@@ -46,6 +47,7 @@ class BlobStore {
     std::uint64_t ticket = 0;
     bool durable = false;
     bool spilling = false;
+    bool lost = false;              // could not be read back
     std::list<Hash>::iterator age;  // in ages_, where blob is not null
   };
   void Keep(Entry& entry, const Hash& hash, BlobPtr blob);

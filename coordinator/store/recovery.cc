@@ -23,25 +23,35 @@ std::vector<Hash> BlobsOf(const proto::Checkpoint& checkpoint) {
   return blobs;
 }
 
-bool IsInput(const proto::Job& job, const Hash& hash) {
-  return std::ranges::any_of(job.input_blobs(),
-                             [&](const auto& input) { return input.second == hash.Binary(); });
+// The input that it is; empty: none.
+std::string InputOf(const proto::Job& job, const Hash& hash) {
+  for (const auto& [name, blob] : job.input_blobs())
+    if (blob == hash.Binary()) return name;
+  return "";
 }
 
-// Quarantines what is damaged of it; true where all that the store must have can be read. Throws
-// UnreadableStore.
-bool BlobsAreGood(BlobFiles& files, const proto::Checkpoint& checkpoint, InputsOf inputs,
-                  const JobLogSink& log) {
+// Quarantines what is damaged of it; true where all that the store must have can be read, but for inputs: no
+// older checkpoint has those, and whoever submitted them may do so again, so a job without one has failed.
+// Throws UnreadableStore.
+bool BlobsAreGood(BlobFiles& files, proto::Checkpoint& checkpoint, InputsOf inputs, const JobLogSink& log) {
+  bool good = true;
   for (const Hash& hash : BlobsOf(checkpoint)) {
-    if (inputs == InputsOf::kUser && IsInput(checkpoint.job(), hash)) continue;
+    const std::string input = InputOf(checkpoint.job(), hash);
+    if (inputs == InputsOf::kUser && !input.empty()) continue;
     const Status blob = files.Check(hash);
     if (blob.ok()) continue;
     if (SaysNothing(blob)) throw UnreadableStore(blob);
     log(Severity::kWarning, checkpoint.job_id(), blob.message());
     if (blob.code() == Code::kCorrupt) files.Quarantine(hash);
-    return false;
+    good = good && !input.empty();
+    const bool needs_none =
+        checkpoint.state() == proto::JOB_DONE || checkpoint.state() == proto::JOB_CANCELLED;
+    if (input.empty() || needs_none) continue;
+    checkpoint.set_state(proto::JOB_FAILED);
+    checkpoint.set_reason("the store's copy of its input '" + input +
+                          "' is damaged or gone: submit the job again, which sends it anew");
   }
-  return true;
+  return good;
 }
 
 // The newest that is good, from `numbers` (ascending), which loses it and all that were newer. Throws

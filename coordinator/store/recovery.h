@@ -26,6 +26,7 @@ struct PublishedFiles {
 // The last good checkpoint of every job, in the order of submission. A damaged one, or one whose blobs are
 // missing or damaged, is named, renamed to FILE.damaged, and the one before is taken. Blobs that none of the
 // kept checkpoints names, and leftovers of interrupted writes, are removed, unless a checkpoint was not good.
+// A job whose input is missing or damaged has failed.
 // A job of which no checkpoint can be read, but whose results are all there and whole, is done: its record is
 // made of them, and written. Throws UnreadableStore where a checkpoint or a blob that one names cannot be
 // read and may be whole.

@@ -330,6 +330,25 @@ TEST(Recovery, WhereACheckpointIsDamagedNoBlobIsRemoved) {
   }
 }
 
+// Whoever submitted it has the input still; a job that is gone without a word he would wait for.
+TEST(Recovery, AJobWhoseInputIsDamagedHasFailedAndSaysWhich) {
+  SavedJob saved;
+  proto::Checkpoint checkpoint = SomeCheckpoint();
+  (*checkpoint.mutable_job()->mutable_input_blobs())["log"] = saved.b.hash.Binary();
+  ASSERT_TRUE(WriteCheckpoint(saved.folder.value().CheckpointFile("a", 3), checkpoint).ok());
+  std::ofstream(saved.folder.value().BlobFile(saved.b.hash)) << "damaged";
+  for (int start = 0; start < 2; ++start) {
+    BlobFiles files(saved.folder.value());
+    const std::vector<RestoreJob> jobs =
+        Recover(saved.folder.value(), files, InputsOf::kStore, {}, [](auto, const auto&, const auto&) {});
+    ASSERT_EQ(jobs.size(), 1u) << "start " << start;
+    EXPECT_EQ(jobs[0].checkpoint.state(), proto::JOB_FAILED);
+    EXPECT_NE(jobs[0].checkpoint.reason().find("'log' is damaged or gone"), std::string::npos)
+        << jobs[0].checkpoint.reason();
+    EXPECT_FALSE(files.Has(saved.b.hash));
+  }
+}
+
 TEST(StoreFolder, OneWhoseBlobsAreNotMountedIsRefusedAndNotTouched) {
   SavedJob saved;
   const fs::path store = saved.temp.path() / "s", away = saved.temp.path() / "away";
@@ -343,68 +362,6 @@ TEST(StoreFolder, OneWhoseBlobsAreNotMountedIsRefusedAndNotTouched) {
   EXPECT_FALSE(fs::exists(store / "blobs"));
   fs::rename(away, store / "blobs");
   EXPECT_TRUE(StoreFolder::Open(store).ok());
-}
-
-TEST(BlobStore, EvictsDurableBlobsOnlyAndReadsThemBack) {
-  TempFolder temp;
-  auto folder = StoreFolder::Open(temp.path() / "s");
-  BlobFiles files(folder.value());
-  BlobStore store(files, 10);
-  const wire::NamedBlob a = TextBlob("aaaaaaaa"), b = TextBlob("bbbbbbbb");
-  store.Put(a, 1);
-  store.Put(b, 1);
-  EXPECT_EQ(store.memory_bytes(), 16u) << "nothing is lost that is nowhere else";
-  EXPECT_EQ(store.TakeSpills(), std::vector<Hash>{a.hash});
-  EXPECT_TRUE(store.TakeSpills().empty());
-  ASSERT_TRUE(WriteBlobFile(folder.value().BlobFile(a.hash), "blob", *a.blob).ok());
-  store.MarkDurable({a.hash}, 2);
-  EXPECT_EQ(store.memory_bytes(), 8u);
-  ASSERT_NE(store.Get(a.hash), nullptr);
-  EXPECT_EQ(store.Get(a.hash)->ContentHash(), a.hash);
-}
-
-TEST(BlobStore, WhatIsGivenStaysWhateverIsDroppedAndNeverHasToBeWritten) {
-  const TempFolder temp;
-  const auto folder = StoreFolder::Open(temp.path() / "store");
-  BlobFiles files(folder.value());
-  BlobStore store(files, 1);
-  const wire::NamedBlob given = TextBlob("given");
-  store.Give(given);
-  store.Put(given, 1);
-  store.AddDurable(given.hash);
-  EXPECT_TRUE(store.Has(given.hash));
-  EXPECT_TRUE(store.Durable(given.hash));
-  EXPECT_TRUE(store.TakeSpills().empty());
-  EXPECT_EQ(store.memory_bytes(), 0u);
-  store.Drop({given.hash});
-  EXPECT_EQ(store.Get(given.hash), given.blob);
-}
-
-TEST(BlobStore, WhatWasWrittenBeforeADropDoesNotCountAfterwards) {
-  TempFolder temp;
-  auto folder = StoreFolder::Open(temp.path() / "s");
-  BlobFiles files(folder.value());
-  BlobStore store(files, 1000);
-  const wire::NamedBlob a = TextBlob("a");
-  store.Put(a, 1);
-  store.Drop({a.hash});  // its file will be removed
-  store.Put(a, 5);
-  store.MarkDurable({a.hash}, 3);
-  EXPECT_FALSE(store.Durable(a.hash));
-  store.MarkDurable({a.hash}, 5);
-  EXPECT_TRUE(store.Durable(a.hash));
-}
-
-TEST(BlobStore, AFileWithAnotherContentIsNotServed) {
-  TempFolder temp;
-  auto folder = StoreFolder::Open(temp.path() / "s");
-  BlobFiles files(folder.value());
-  BlobStore store(files, 1000);
-  const wire::NamedBlob a = TextBlob("a"), b = TextBlob("b");
-  ASSERT_TRUE(WriteBlobFile(folder.value().BlobFile(a.hash), "blob", *b.blob).ok());
-  store.AddDurable(a.hash);
-  EXPECT_EQ(store.Get(a.hash), nullptr);
-  EXPECT_EQ(files.Read(a.hash).status().code(), Code::kCorrupt);
 }
 
 TEST(JobTable, RemembersTheHighestNumberThatAJobHad) {
