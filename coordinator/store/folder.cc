@@ -72,6 +72,7 @@ Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
   Result<StoreFolder> folder = OpenAsItIs(dir);
   if (!folder.ok()) return folder;
   if (Status status = folder.value().MakeFolders(); !status.ok()) return status;
+  if (Status status = folder.value().LockBlobs(); !status.ok()) return status;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(dir, error))
     if (entry.is_directory()) RemoveLeftovers(entry.path());
   // Of whom they came, nobody is there any more.
@@ -98,16 +99,30 @@ Result<StoreFolder> StoreFolder::OpenAsItIs(const fs::path& dir) {
   if (IsForeign(dir)) return foreign;
   if (Status status = RefuseLinks(dir); !status.ok()) return status;
   if (Status status = folder.CheckVersion(); !status.ok()) return status;
+  if (Status status = folder.LockBlobs(); !status.ok()) return status;
   return folder;
+}
+
+Status StoreFolder::LockBlobs() {
+  if (blobs_lock_ >= 0) return Status::Ok();
+  blobs_lock_ = ::open(Blobs().c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  // Where a file system has no such locks (NFS), the store's own has to do.
+  if (blobs_lock_ < 0 || ::flock(blobs_lock_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
+    return Status::Ok();
+  return {Code::kBusy, Blobs().string() + " is in use by another store of another cairn process"};
 }
 
 StoreFolder::StoreFolder(fs::path dir, int lock) : dir_(std::move(dir)), lock_(lock), id_(IdOf(dir_)) {}
 
 StoreFolder::StoreFolder(StoreFolder&& other) noexcept
-    : dir_(std::move(other.dir_)), lock_(std::exchange(other.lock_, kNoLock)), id_(other.id_) {}
+    : dir_(std::move(other.dir_)),
+      lock_(std::exchange(other.lock_, kNoLock)),
+      blobs_lock_(std::exchange(other.blobs_lock_, kNoLock)),
+      id_(other.id_) {}
 
 StoreFolder::~StoreFolder() {
-  if (lock_ >= 0) ::close(lock_);  // and with it the lock
+  for (const int lock : {lock_, blobs_lock_})
+    if (lock >= 0) ::close(lock);  // and with it the lock
 }
 
 // Each store has a version but those of version 1, which have a table of jobs. New ones hold nothing.
@@ -259,6 +274,7 @@ void StoreFolder::FinishForgetting(const std::function<fs::path(const std::strin
 }
 
 Status StoreFolder::Clear() {
+  if (blobs_lock_ >= 0) ::close(std::exchange(blobs_lock_, kNoLock));
   std::vector<fs::path> own = {Blobs(), Checkpoints(), Uploads(), ServedFile()};
   for (const char* ending : {"", "-wal", "-shm", "-journal", ".damaged"})
     own.push_back(JobTable().string() + ending);
@@ -267,7 +283,8 @@ Status StoreFolder::Clear() {
     fs::remove_all(path, error);
     if (error) return SystemFailure(path, "remove", error.value());
   }
-  return MakeFolders();
+  if (Status status = MakeFolders(); !status.ok()) return status;
+  return LockBlobs();
 }
 
 void Quarantine(const fs::path& file) {

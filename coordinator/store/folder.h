@@ -39,7 +39,7 @@ class StoreFolder {
  public:
   // Makes it where it does not exist, with mode 0700, and locks it until the object goes.
   // kCorrupt: a folder that holds something, but no store.
-  // kBusy: another process has it.
+  // kBusy: another process has it, or has a store whose blobs are the same folder.
   // kRefused: there is a link in it (but among a service's results); nothing is followed out of a store.
   // kCorrupt, too: it has checkpoints, and a folder that they need is gone (a disk that is not mounted).
   // kVersion: it is of a newer version, or from before files had checksum trailers; then nothing in it is
@@ -89,9 +89,13 @@ class StoreFolder {
   static bool IsForeign(const std::filesystem::path& dir);
   Status CheckVersion() const;
   Status MakeFolders() const;
+  // Against another store whose `blobs` is the same folder, by a mount: each would remove what the other
+  // needs.
+  Status LockBlobs();
 
   std::filesystem::path dir_;
   int lock_ = kNoLock;                          // file descriptor
+  int blobs_lock_ = kNoLock;                    // of `blobs`
   std::pair<std::uint64_t, std::uint64_t> id_;  // of what is called dir(), be it a link: device and inode
 };
 

@@ -1,6 +1,9 @@
 // The parts of the store, each by itself.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <map>
@@ -347,6 +350,28 @@ TEST(Recovery, AJobWhoseInputIsDamagedHasFailedAndSaysWhich) {
         << jobs[0].checkpoint.reason();
     EXPECT_FALSE(files.Has(saved.b.hash));
   }
+}
+
+// As by a mount: each would remove the blobs of which only the other knows.
+TEST(StoreFolder, OneWhoseBlobsAreThoseOfAnotherIsRefused) {
+  const TempFolder temp;
+  {
+    ASSERT_TRUE(StoreFolder::Open(temp.path() / "s").ok());
+  }
+  const int other = ::open((temp.path() / "s/blobs").c_str(), O_RDONLY | O_DIRECTORY);
+  ASSERT_EQ(::flock(other, LOCK_EX | LOCK_NB), 0);
+  for (auto* open : {&StoreFolder::Open, &StoreFolder::OpenAsItIs}) {
+    const Status refused = open(temp.path() / "s").status();
+    EXPECT_EQ(refused.code(), Code::kBusy);
+    EXPECT_NE(refused.message().find("blobs is in use by another store"), std::string::npos)
+        << refused.message();
+  }
+  ::close(other);
+  StoreFolder folder = StoreFolder::Open(temp.path() / "s").value();
+  ASSERT_TRUE(folder.Clear().ok());
+  const int late = ::open(folder.Blobs().c_str(), O_RDONLY | O_DIRECTORY);
+  EXPECT_NE(::flock(late, LOCK_EX | LOCK_NB), 0) << "the new folder of blobs is locked too";
+  ::close(late);
 }
 
 TEST(StoreFolder, OneWhoseBlobsAreNotMountedIsRefusedAndNotTouched) {
