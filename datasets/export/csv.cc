@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <regex>
+#include <set>
 
 #include "datasets/common/array_text.h"
 #include "datasets/export/export.h"
@@ -149,10 +151,37 @@ void WriteResult(const kinds::LandmarkMap& map, const std::vector<MapLandmark>& 
   if (!rows.empty()) writer->Write("associations.csv", "robot,observation,map_landmark,probability\n" + rows);
 }
 
+bool IsLog(const Blob& blob) { return blob.Has("robot/0/odometry/time_s"); }
+
+// The group that a dataset of a log belongs to: `noise`, `truth/walls`, `robot/0/laser`.
+std::string GroupOf(const std::string& name) {
+  const bool of_robot = name.starts_with("robot/") || name.starts_with("truth/robot/");
+  std::size_t parts = of_robot ? 3 : 1;
+  if (name.starts_with("truth/")) ++parts;
+  std::size_t end = 0;
+  while (parts-- > 0 && end != std::string::npos) end = name.find('/', end + 1);
+  return name.substr(0, end);
+}
+
+bool HasPlaceInCsv(const std::string& group) {
+  static const std::regex kGroups(
+      "robots|landmarks|provenance|robot/\\d+/(odometry|observations)|"
+      "truth/(landmarks|robot/\\d+/(poses|observations))");
+  return std::regex_match(group, kGroups);
+}
+
 }  // namespace
 
+std::vector<std::string> NotInCsv(const Blob& blob) {
+  std::set<std::string> groups;
+  if (IsLog(blob))
+    for (const auto& [name, array] : blob.fields())
+      if (const std::string group = GroupOf(name); !HasPlaceInCsv(group)) groups.insert(group);
+  return {groups.begin(), groups.end()};
+}
+
 Written ExportCsv(const Blob& blob, const std::string& folder, bool replace) {
-  const bool is_log = blob.Has("robot/0/odometry/time_s");
+  const bool is_log = IsLog(blob);
   if (!is_log && !blob.Has("robot/0/poses/time_s"))
     throw InputError("there are neither controls nor poses in it");
   FolderWriter writer(folder, replace);

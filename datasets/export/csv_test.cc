@@ -71,6 +71,14 @@ TEST(ExportCsv, NamesWithCommasAndQuotesAreQuoted) {
   ExpectContains(InputErrorOf([&] { (void)ExportCsv(log, folder / ""); }), "a name holds a line break");
 }
 
+TEST(ExportCsv, WhatHasNoPlaceInItIsNamed) {
+  Blob log = SmallLog();
+  log.PutVector<double>("robot/0/laser/time_s", std::vector<double>{1});
+  log.PutVector<double>("truth/walls/from_s", std::vector<double>{1});
+  EXPECT_EQ(NotInCsv(log), (std::vector<std::string>{"noise", "robot/0/laser", "truth/walls"}));
+  EXPECT_TRUE(NotInCsv(SmallResult()).empty());
+}
+
 TEST(ExportCsv, AResultBecomesPosesLandmarksAndAssociations) {
   const TestFolder folder;
   EXPECT_EQ(ExportCsv(SmallResult(), folder / "").value().size(), 3U);

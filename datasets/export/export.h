@@ -51,5 +51,7 @@ Written ExportPng(const Blob& result, const std::string& folder, bool replace = 
 // them. Of a result: poses.csv, landmarks.csv, associations.csv. Numbers have as many digits as it takes to
 // read them back.
 Written ExportCsv(const Blob& blob, const std::string& folder, bool replace = true);
+// Groups of a log for which CSV has no place, sorted: noise, robot/0/laser. Of a result none.
+std::vector<std::string> NotInCsv(const Blob& blob);
 
 }  // namespace cairn::datasets

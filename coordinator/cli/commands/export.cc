@@ -6,6 +6,7 @@
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/result_file.h"
 #include "datasets/kinds/result_kinds.h"
+#include "schema/text.h"
 
 namespace cairn::cli {
 namespace {
@@ -63,6 +64,10 @@ int Export(const ExportArguments& options, const Invocation&) {
                  "note: a landmark map says nothing of free space: where no landmark is nothing is known. To "
                  "plan ways make a grid map (evidence_map, forward_map)\n");
   }
+  if (options.format == "csv")
+    if (const std::vector<std::string> left = datasets::NotInCsv(source.blob); !left.empty())
+      std::fprintf(stderr, "note: left out, for CSV has no place for them: %s\n",
+                   Escaped(NameList(left)).c_str());
   return kExitDone;
 }
 
