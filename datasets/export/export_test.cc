@@ -10,6 +10,7 @@
 #include "datasets/testing.h"
 #include "datasets/testing_result.h"
 #include "schema/kinds/kind.h"
+#include "schema/store/blob_file.h"
 
 namespace cairn::datasets {
 namespace {
@@ -87,6 +88,15 @@ TEST(Export, LeavesFilesAloneThatAreThereUnlessToldToReplaceThem) {
 }
 
 // Two of a name stand for one that came to be there after it was looked for.
+// It may be what is exported, whatever it is called.
+TEST(Export, NotEvenByForceDoesItReplaceAFileOfCairns) {
+  const TestFolder folder;
+  ASSERT_TRUE(WriteBlobFile(folder / "Rosa.tum", "landmark_map", SmallResult()).ok());
+  const std::string before = FileText(folder / "Rosa.tum");
+  ExpectContains(InputErrorOf([&] { (void)ExportTum(SmallResult(), folder / "", true); }), "of Cairn's own");
+  EXPECT_EQ(FileText(folder / "Rosa.tum"), before);
+}
+
 TEST(Export, WhatComesToBeThereMeanwhileStays) {
   const TestFolder folder;
   for (const bool replace : {false, true}) {

@@ -10,6 +10,7 @@
 
 #include "schema/kinds/landmark_map.h"
 #include "schema/store/atomic_file.h"
+#include "schema/store/checksum_trailer.h"
 
 namespace cairn::datasets {
 namespace {
@@ -108,6 +109,9 @@ Written FolderWriter::Finish() {
   const auto check_is_new = [&](const std::string& path) {
     if (!replace_ && std::filesystem::exists(std::filesystem::symlink_status(path)))
       throw InputError("'" + path + "' is there already (--force replaces it)");
+    // It may be what is exported.
+    if (store::HasTrailer(path))
+      throw InputError("'" + path + "' is a file of Cairn's own, which no export replaces");
   };
   for (const auto& [path, text] : files_) check_is_new(path);
   std::error_code error;

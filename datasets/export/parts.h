@@ -48,7 +48,8 @@ class FolderWriter {
   void Write(const std::string& name, std::string text);
   // The paths, or the first failure.
   // Throws InputError, and writes nothing, where one of the files is there already and none is to be
-  // replaced; nor is one that has come to be there meanwhile.
+  // replaced; nor is one that has come to be there meanwhile. Nor is ever a file of Cairn (it may be the
+  // input).
   Written Finish();
 
  private:
