@@ -119,8 +119,8 @@ Result<wire::Message> Judge(wire::Received received) {
                                       "': its version differs");
   }
   for (const wire::JobInfo& job : envelope.reply().jobs())
-    if (!IsFileName(job.id()))
-      return Status(Code::kCorrupt, "the service names a job whose id is no file's name");
+    if (!IsFileName(job.id()) || !WhatIsWrongWithName(job.name(), kMostTextBytes).empty())
+      return Status(Code::kCorrupt, "the service names a job by what is no name");
   // Where something is missing it may be sent: no refusal yet.
   if (!envelope.reply().ok() && envelope.reply().missing().empty())
     return Status(envelope.reply().unable() ? Code::kNoSpace : Code::kRefused, envelope.reply().message());

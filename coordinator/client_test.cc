@@ -316,6 +316,17 @@ TEST_F(ClientTest, ASilentServiceAndNoServiceAreToldApart) {
   EXPECT_NE(silent.message().find("does not answer"), std::string::npos) << silent.message();
 }
 
+// A line of its own in a list would be read as another job.
+TEST_F(ClientTest, AJobWhoseNameHasLinesIsNoAnswer) {
+  FakeService service(folder_.Ipc("s"), [](const wire::Message&) {
+    wire::Message reply = Ok();
+    reply.envelope.mutable_reply()->add_jobs()->set_id("1-j");
+    reply.envelope.mutable_reply()->mutable_jobs(0)->set_name("j\n2-k  k  done");
+    return reply;
+  });
+  EXPECT_EQ(Connect().List().status().code(), Code::kCorrupt);
+}
+
 TEST_F(ClientTest, AnAnswerThatIsNoReplyIsAnotherVersion) {
   FakeService service(folder_.Ipc("s"), [](const wire::Message&) {
     wire::Message odd;

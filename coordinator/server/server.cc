@@ -197,7 +197,8 @@ Status Server::ForUsers(const Status& status) const {
   constexpr std::string_view kShown = "store/";
   std::string message = status.message();
   for (std::size_t at = 0; (at = message.find(store, at)) != std::string::npos; at += kShown.size())
-    message.replace(at, store.size(), kShown);
+    if (at == 0 || std::string_view(" '(").find(message[at - 1]) != std::string_view::npos)
+      message.replace(at, store.size(), kShown);
   return {status.code(), message};
 }
 
