@@ -54,8 +54,8 @@ void Uploads::Keep(const std::string& peer, const Hash& hash, double now_s) {
   Answer(peer, hash, "");
 }
 
-Uploads::Actions Uploads::Offered(const std::string& peer, const Hash& hash, std::uint64_t bytes,
-                                  double now_s) {
+Uploads::Actions Uploads::Offered(const std::string& peer, const std::string& user, const Hash& hash,
+                                  std::uint64_t bytes, double now_s) {
   if (OfPeer(peer) != nullptr) {
     Offend(peer, "an upload was announced before the one before was answered");
     Settle(now_s);
@@ -72,7 +72,7 @@ Uploads::Actions Uploads::Offered(const std::string& peer, const Hash& hash, std
         {Code::kBusy, std::to_string(uploads_.size()) + " uploads are under way or wait: try again later"});
   } else {
     const std::uint64_t id = next_id_++;
-    uploads_[id] = {id, peer, hash, bytes, Stage::kWaiting, 0, 0, 0, now_s};
+    uploads_[id] = {id, peer, user, hash, bytes, Stage::kWaiting, 0, 0, 0, now_s};
     by_peer_[peer] = id;
     Settle(now_s);
     if (const Upload* upload = OfPeer(peer); upload != nullptr && upload->stage == Stage::kWaiting)
@@ -190,26 +190,36 @@ void Uploads::Settle(double now_s) {
 
 // One whose blob another brings waits for that, and is answered with it.
 void Uploads::Begin(double now_s) {
-  std::size_t open = Open();
-  std::set<Hash> writing = Writing();
   for (auto it = uploads_.begin(); it != uploads_.end();) {
-    Upload& upload = it->second;
-    if (upload.stage != Stage::kWaiting) {
+    const Upload& upload = it->second;
+    if (upload.stage != Stage::kWaiting || !has_(upload.hash)) {
       ++it;
-    } else if (has_(upload.hash)) {
-      const std::string peer = upload.peer;
-      by_peer_.erase(peer);
-      Keep(peer, upload.hash, now_s);
-      it = uploads_.erase(it);
-    } else {
-      ++it;
-      if (open >= options_.places || !writing.insert(upload.hash).second) continue;
-      ++open;
-      upload.stage = Stage::kOpen;
-      upload.heard_s = now_s;
-      actions_.push_back(OpenUpload{upload.id, upload.hash, upload.bytes});
+      continue;
     }
+    by_peer_.erase(upload.peer);
+    Keep(upload.peer, upload.hash, now_s);
+    it = uploads_.erase(it);
   }
+  for (std::size_t open = Open(); open < options_.places; ++open) {
+    Upload* upload = NextToBegin();
+    if (upload == nullptr) return;
+    upload->stage = Stage::kOpen;
+    upload->heard_s = now_s;
+    actions_.push_back(OpenUpload{upload->id, upload->hash, upload->bytes});
+  }
+}
+
+Uploads::Upload* Uploads::NextToBegin() {
+  std::map<std::string, std::size_t> places;  // by user
+  for (const auto& [id, upload] : uploads_)
+    if (upload.stage != Stage::kWaiting) ++places[upload.user];
+  const std::set<Hash> writing = Writing();
+  Upload* next = nullptr;
+  for (auto& [id, upload] : uploads_)
+    if (upload.stage == Stage::kWaiting && !writing.contains(upload.hash) &&
+        (next == nullptr || places[upload.user] < places[next->user]))
+      next = &upload;
+  return next;
 }
 
 // In turns, beginning behind whoever was given last.

@@ -2,10 +2,11 @@
 // all of them together stays within a bound, whatever their number and size. A pure state machine as the core
 // is one: what came, what the disk did and the time go in, actions come out.
 //
-// A client announces one upload at a time. It waits until it has a place (first come, first served), then
-// sends no more than it has credit for; credit comes back as its pieces reach the disk, and those that have a
-// place share all that there is equally. What has come whole is kept for its client until that hands in its
-// job, or goes.
+// A client announces one upload at a time. It waits until it has a place, then sends no more than it has
+// credit for; credit comes back as its pieces reach the disk, and those that have a place share all that
+// there is equally. A place goes to the user (the key) who has the fewest, of whose uploads to the first that
+// came: who opens many connections waits for himself. What has come whole is kept for its client until that
+// hands in its job, or goes.
 #pragma once
 
 #include <cstdint>
@@ -80,7 +81,9 @@ class Uploads {
   Uploads(const UploadOptions& options, std::function<bool(const Hash&)> has)
       : options_(options), has_(std::move(has)) {}
 
-  Actions Offered(const std::string& peer, const Hash& hash, std::uint64_t bytes, double now_s);
+  // `user`: whose client it is; empty where there are no keys.
+  Actions Offered(const std::string& peer, const std::string& user, const Hash& hash, std::uint64_t bytes,
+                  double now_s);
   Actions Came(const std::string& peer, wire::Piece&& piece, double now_s);
   // What the disk did: each OpenUpload that fails and each WritePiece in its turn, then a CloseUpload that
   // was whole.
@@ -103,6 +106,7 @@ class Uploads {
   struct Upload {
     std::uint64_t id = 0;
     std::string peer;  // empty: nobody waits for it any more
+    std::string user;
     Hash hash;
     std::uint64_t bytes = 0;
     Stage stage = Stage::kWaiting;
@@ -132,6 +136,7 @@ class Uploads {
   void Release(const std::string& peer);
   void Settle(double now_s);  // whoever waits and may begin does, and gets credit
   void Begin(double now_s);
+  Upload* NextToBegin();  // null: nobody waits who may
   void Grant(double now_s);
   void Tell(const Upload& upload, std::uint64_t ahead);
   void TellAll();

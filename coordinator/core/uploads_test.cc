@@ -35,9 +35,10 @@ class UploadsTest : public ::testing::Test {
     std::optional<AnswerOffer> answer = {};
   };
 
-  void Offer(const std::string& peer, std::uint64_t content, std::uint64_t bytes) {
+  void Offer(const std::string& peer, std::uint64_t content, std::uint64_t bytes,
+             const std::string& user = "") {
     clients_[peer] = {HashOf(content), bytes};
-    Do(uploads_.Offered(peer, HashOf(content), bytes, now_s_));
+    Do(uploads_.Offered(peer, user, HashOf(content), bytes, now_s_));
   }
   void Send(const std::string& peer, std::uint64_t bytes, std::optional<std::uint64_t> at = {}) {
     Client& client = clients_.at(peer);
@@ -169,6 +170,20 @@ TEST_F(UploadsTest, ThoseThatHaveAPlaceShareEquallyAndTheNextWaitsForItsTurn) {
   EXPECT_GT(clients_["e"].credit, 0u) << "b has come, its place is free";
 }
 
+// With one key it took a hundred connections that say nothing to hold up all others for minutes.
+TEST_F(UploadsTest, OfManyUploadsOfOneUserAnothersDoesNotWaitForAll) {
+  for (std::uint64_t i = 0; i < 30; ++i) Offer("m" + std::to_string(i), i, 1000, "many");
+  Offer("one", 99, 10, "single");
+  Offer("late", 98, 10, "single");
+  EXPECT_EQ(clients_["one"].credit, 0u) << "all places are taken";
+  now_s_ = kSmall.silent_s + 1;
+  Do(uploads_.Tick(now_s_));
+  EXPECT_GT(clients_["one"].credit, 0u);
+  EXPECT_GT(clients_["late"].credit, 0u) << "of two users each has half";
+  EXPECT_GT(clients_["m4"].credit, 0u);
+  EXPECT_EQ(clients_["m6"].credit, 0u);
+}
+
 TEST_F(UploadsTest, WhoIgnoresHisCreditIsDroppedAndNothingOfItIsKept) {
   Offer("a", 1, 1000);
   Send("a", kSmall.window_bytes);
@@ -197,7 +212,7 @@ TEST_F(UploadsTest, PiecesOutOfOrderOfAnotherBlobOrOfNoneAreOffences) {
   Send("d", 0);
   EXPECT_TRUE(clients_["d"].dropped) << "pieces without end";
   Offer("e", 6, 1000);
-  Do(uploads_.Offered("e", HashOf(7), 10, now_s_));
+  Do(uploads_.Offered("e", "", HashOf(7), 10, now_s_));
   EXPECT_TRUE(clients_["e"].dropped) << "two at a time";
 }
 

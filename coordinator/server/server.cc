@@ -139,10 +139,10 @@ void Server::Receive(Incoming& incoming) {
     refusal->reason = wire::ShortKey(incoming.user) + ": " + refusal->reason;
     return TurnAway(incoming.peer, *refusal);
   }
-  Take(incoming.peer, envelope, incoming.message.blobs);
+  Take(incoming.peer, incoming.user, envelope, incoming.message.blobs);
 }
 
-void Server::Take(const std::string& peer, wire::Envelope& envelope,
+void Server::Take(const std::string& peer, const std::string& user, wire::Envelope& envelope,
                   const std::vector<wire::NamedBlob>& blobs) {
   const std::size_t most = options_.limits.text_bytes;
   switch (envelope.body_case()) {
@@ -173,7 +173,7 @@ void Server::Take(const std::string& peer, wire::Envelope& envelope,
     case wire::Envelope::kSubmit:
       return Serve(peer, envelope.submit());
     case wire::Envelope::kOffer:
-      return Serve(peer, envelope.offer());
+      return Serve(peer, user, envelope.offer());
     case wire::Envelope::kPiece:
       return Carry(uploads_.Came(peer, std::move(*envelope.mutable_piece()), Now()));
     case wire::Envelope::kClean:

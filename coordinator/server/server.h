@@ -73,7 +73,8 @@ class Server {
   void Restore();
   void Handle(const Event& event);
   void Receive(Incoming& incoming);
-  void Take(const std::string& peer, wire::Envelope& envelope, const std::vector<wire::NamedBlob>& blobs);
+  void Take(const std::string& peer, const std::string& user, wire::Envelope& envelope,
+            const std::vector<wire::NamedBlob>& blobs);
   // As users may read it: what is wrong in the store, but not where that lies, which the log says.
   Status ForUsers(const Status& status) const;
   void TakeDiskDone();
@@ -95,7 +96,7 @@ class Server {
   void ProbeSilent(double now_s);
 
   // server_uploads.cc
-  void Serve(const std::string& peer, const wire::Offer& offer);
+  void Serve(const std::string& peer, const std::string& user, const wire::Offer& offer);
   void Carry(Uploads::Actions actions);
   void Do(OpenUpload open);
   void Do(WritePiece piece);

@@ -6,7 +6,7 @@
 
 namespace cairn::coordinator {
 
-void Server::Serve(const std::string& peer, const wire::Offer& offer) {
+void Server::Serve(const std::string& peer, const std::string& user, const wire::Offer& offer) {
   const Result<Hash> hash = Hash::FromBinary(offer.hash());
   if (!hash.ok()) return RefuseJob(peer, wire::RefusalKind::kBlob, hash.status().message());
   if (const std::uint64_t most = options_.largest_input_bytes; offer.bytes() > most)
@@ -15,7 +15,7 @@ void Server::Serve(const std::string& peer, const wire::Offer& offer) {
         "an input of " + BytesText(offer.bytes()) + "; at most " + BytesText(most) + " are taken");
   if (const std::string full = use_.WhyNoRoom(offer.bytes()); !full.empty() && !blobs_.Has(hash.value()))
     return RefuseJob(peer, wire::RefusalKind::kStore, full);
-  Carry(uploads_.Offered(peer, hash.value(), offer.bytes(), Now()));
+  Carry(uploads_.Offered(peer, user, hash.value(), offer.bytes(), Now()));
 }
 
 void Server::Carry(Uploads::Actions actions) {
