@@ -38,8 +38,9 @@ std::string RobotClass(std::string_view kind, std::size_t robot) {
 
 std::string Tip(const MapLandmark& landmark) {
   return fmt::format(
-      "landmark {} at ({}, {}) m, seen {} times, 95% within {} m{}{}", landmark.name, Short(landmark.at.x_m),
-      Short(landmark.at.y_m), Short(landmark.count, 1), Short(landmark.ellipse.major_m),
+      "landmark {} at ({}, {}) m, seen {}, 95% within {} m{}{}", landmark.name, Short(landmark.at.x_m),
+      Short(landmark.at.y_m), landmark.count == 1 ? "once" : Short(landmark.count, 1) + " times",
+      Short(landmark.ellipse.major_m),
       landmark.error_m ? fmt::format(", {} m from the true one", Short(*landmark.error_m)) : "",
       landmark.spurious ? ", no true one near it" : "");
 }
