@@ -83,7 +83,7 @@ void ShellModel::Receive(const Event& event, bool whole) {
 }
 
 void ShellModel::Offer(const std::string& peer, const Hash& hash, std::uint64_t bytes) {
-  WhenAwake([this, peer, hash, bytes] { Carry(uploads_->Offered(peer, hash, bytes, Now())); });
+  WhenAwake([this, peer, hash, bytes] { Carry(uploads_->Offered(peer, "", hash, bytes, Now())); });
 }
 
 void ShellModel::Bring(const std::string& peer, wire::Piece piece) {
