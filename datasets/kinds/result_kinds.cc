@@ -7,6 +7,7 @@
 #include "datasets/common/grid_map_verdict.h"
 #include "datasets/common/landmark_map_verdict.h"
 #include "datasets/common/local_map_verdict.h"
+#include "datasets/common/localization_verdict.h"
 #include "datasets/common/networks_verdict.h"
 #include "datasets/report/draw_map.h"
 #include "datasets/report/pages/pages.h"
@@ -146,7 +147,8 @@ constexpr ResultKind kResultKinds[] = {
        return EvaluateLocalization(result, samples);
      },
      .page = [](const ReportedStage& s) { return report::LocalizationHtml(*s.result, s.source); },
-     .picture = [](const ReportedStage& s, int) { return report::LocalizationPng(*s.result, s.source); }},
+     .picture = [](const ReportedStage& s, int) { return report::LocalizationPng(*s.result, s.source); },
+     .verdict = LocalizationVerdict},
     {.name = "samples",
      .page_takes_source = false,
      .page = [](const ReportedStage& s) { return report::SamplesHtml(*s.result); },

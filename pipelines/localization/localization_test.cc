@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "pipelines/landmark_learning/landmark_learning.h"
 #include "pipelines/landmark_learning/testing.h"
@@ -49,6 +51,28 @@ TEST(Localization, FindsARobotThatKnowsNothingByHandMadeFeatures) {
       EXPECT_LT(MeanError(samples, *result, 15.0, 30.0), 1.0) << belief << sensing;
     }
   }
+}
+
+double ForetoldRatio(const Blob& result) {
+  double lead = 0.0, expected = 0.0;
+  for (const double nats : result.Get<double>("step/lead_nats")) lead += nats;
+  for (const double nats : result.Get<double>("step/expected_lead_nats")) expected += nats;
+  return lead / expected;
+}
+
+// Where features come as often as the map says, what is foretold comes as well as the belief expects; in a
+// run whose features are those of other places, it does not.
+TEST(Localization, ForetellsAsWellAsItBelievesToInItsOwnCorridorOnly) {
+  Blob samples = CorridorWithFeatures{.runs = 4}.Make();
+  const Options options = {
+      .runs = "run 1", .prior_count = 0.01, .sensing = "sampled", .trust = 1.0, .travelled_m = 25.0};
+  EXPECT_NEAR(ForetoldRatio(*Locate(samples, options)), 1.0, 0.15);
+  const std::span<const float> honest = samples.Get<float>("run/1/feature");
+  std::vector<float> feature(honest.begin(), honest.end());
+  std::ranges::rotate(feature, feature.begin() + static_cast<std::ptrdiff_t>(feature.size() / 9 * 3));
+  std::ranges::reverse(feature);
+  samples.Put("run/1/feature", Array::Of<float>(samples.at("run/1/feature").shape(), feature));
+  EXPECT_LT(ForetoldRatio(*Locate(samples, options)), 0.5);
 }
 
 // Driven both ways: of a robot that comes back, in a map of both ways. Seen from the other side every feature

@@ -15,6 +15,8 @@ void ResultRows::Visit(S& rows, const F& f) {
   f("step/mode_x_m", rows.mode_x_m_);
   f("step/mode_y_m", rows.mode_y_m_);
   f("step/spread_m", rows.spread_m_);
+  f("step/lead_nats", rows.lead_nats_);
+  f("step/expected_lead_nats", rows.expected_lead_nats_);
   f("step/entries", rows.entries_);
   f("belief/position", rows.position_);
   f("belief/probability", rows.probability_);
@@ -33,6 +35,8 @@ void ResultRows::Add(std::size_t number, const Source& source, const Traverse& t
     mode_x_m_.push_back(step.estimate.mode.x_m);
     mode_y_m_.push_back(step.estimate.mode.y_m);
     spread_m_.push_back(step.estimate.spread_m);
+    lead_nats_.push_back(step.lead.nats);
+    expected_lead_nats_.push_back(step.lead.expected_nats);
     entries_.push_back(static_cast<std::int64_t>(step.position.size()));
     position_.insert(position_.end(), step.position.begin(), step.position.end());
     probability_.insert(probability_.end(), step.probability.begin(), step.probability.end());

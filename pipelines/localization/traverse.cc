@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "pipelines/localization/sensing.h"
 #include "schema/error.h"
@@ -56,8 +57,9 @@ OwnMotion Together(const std::vector<OwnMotion>& odometry, std::size_t from, std
   return all;
 }
 
-Localized::Step StepOf(const BeliefSpace& space, const std::vector<double>& belief) {
-  Localized::Step step{EstimateOf(space.positions(), belief), {}, {}};
+Localized::Step StepOf(const BeliefSpace& space, const std::vector<double>& belief,
+                       const Localized::Lead& lead) {
+  Localized::Step step{EstimateOf(space.positions(), belief), lead, {}, {}};
   const double least = kKeptShare * *std::ranges::max_element(belief);
   double sum = 0.0;
   for (const double b : belief) sum += b >= least ? b : 0.0;
@@ -67,6 +69,29 @@ Localized::Step StepOf(const BeliefSpace& space, const std::vector<double>& beli
     step.probability.push_back(static_cast<float>(belief[position] / sum));
   }
   return step;
+}
+
+// P(f_i = 1) of a robot that believes so, of the bits of `group`.
+std::vector<double> Foretold(const std::vector<double>& map, std::size_t features, const FeatureGroup& group,
+                             const std::vector<double>& belief) {
+  std::vector<double> ones(group.size(), 0.0);
+  for (std::size_t k = 0; k < belief.size(); ++k)
+    for (std::size_t i = 0; i < group.size(); ++i) ones[i] += belief[k] * map[k * features + group.first + i];
+  return ones;
+}
+
+// How much better the belief foretold each bit than one that knows nothing, and by how much it should have.
+Localized::Lead LeadOf(const std::vector<double>& here, const std::vector<double>& anywhere,
+                       std::span<const double> feature) {
+  Localized::Lead lead;
+  for (std::size_t i = 0; i < here.size(); ++i) {
+    const double of_one = std::log(here[i] / anywhere[i]),
+                 of_zero = std::log((1.0 - here[i]) / (1.0 - anywhere[i]));
+    if (!std::isfinite(of_one) || !std::isfinite(of_zero)) continue;  // certain: prior_count is 0
+    lead.nats += feature[i] * of_one + (1.0 - feature[i]) * of_zero;
+    lead.expected_nats += here[i] * of_one + (1.0 - here[i]) * of_zero;
+  }
+  return lead;
 }
 
 // What is sensed at stop number `stop`.
@@ -134,12 +159,15 @@ Localized Localize(const Options& options, const Source& source, const BeliefSpa
   const bool drives = options.heading == "unknown", knows = !drives && source.headings();
   std::vector<double> belief =
       options.window_m > 0.0 ? space.Near(run.positions[traverse.start], options.window_m) : space.Anywhere();
+  std::vector<double> anywhere;  // facing as it does
   const auto face = [&](const Stop& stop) {
+    anywhere = space.Anywhere();
+    if (knows) static_cast<void>(space.KeepFacing(run.heading_rad[stop.sample], &anywhere));
     if (knows && !space.KeepFacing(run.heading_rad[stop.sample], &belief))
       Impossible(source, traverse, stop, "no position that it may be at was seen facing as it does");
   };
   face({traverse.start, 0.0, {}, {}});
-  Localized localized{{StepOf(space, belief)}};
+  Localized localized{{StepOf(space, belief, {})}};
   // [Thr98] table 1
   for (const Stop& stop : traverse.stops) {
     progress.Tick();
@@ -151,9 +179,12 @@ Localized Localize(const Options& options, const Source& source, const BeliefSpa
     std::vector<double> feature(row, row + static_cast<std::ptrdiff_t>(features));
     if (options.sensing == "sampled") feature = Drawn(feature, rng);
     const FeatureGroup group = LookedAt(options, source, space, map, belief, localized.steps.size() - 1);
+    const Localized::Lead lead =
+        LeadOf(Foretold(map, features, group, belief), Foretold(map, features, group, anywhere),
+               std::span(feature).subspan(group.first, group.size()));
     if (!Sense(Likelihood(map, feature, group, options.trust), &belief))
       Impossible(source, traverse, stop, "what it senses is impossible wherever it may be (prior_count = 0)");
-    localized.steps.push_back(StepOf(space, belief));
+    localized.steps.push_back(StepOf(space, belief, lead));
   }
   return localized;
 }

@@ -41,8 +41,15 @@ std::size_t TraverseCount(const Options& options, const Source& source);
 
 // The belief at the start and after each stop.
 struct Localized {
+  // How much better the belief just before foretold what is sensed than one that knows nothing would have: of
+  // each bit the log of the ratio of its probabilities, added up; and what that is on average where the
+  // belief is right.
+  struct Lead {
+    double nats = 0.0, expected_nats = 0.0;
+  };
   struct Step {
     Estimate estimate;
+    Lead lead;
     std::vector<std::int32_t> position;  // those with a belief above kKeptShare of the largest, ascending
     std::vector<float> probability;      // of each, adding up to 1
   };

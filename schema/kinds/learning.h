@@ -137,7 +137,8 @@ struct Networks {
 struct Localization {
   struct Steps {
     Column<std::int32_t> traverse, run, sample;
-    Column<double> travelled_m, mean_x_m, mean_y_m, mode_x_m, mode_y_m, spread_m;
+    Column<double> travelled_m, mean_x_m, mean_y_m, mode_x_m, mode_y_m, spread_m, lead_nats,
+        expected_lead_nats;
     Column<std::int64_t> entries;
     static void Fields(const auto& field) {
       field(Needed("traverse", "S", Rising()), &Steps::traverse);
@@ -149,6 +150,8 @@ struct Localization {
       field(Needed("mode_x_m", "S", Position()), &Steps::mode_x_m);
       field(Needed("mode_y_m", "S", Position()), &Steps::mode_y_m);
       field(Needed("spread_m", "S", NotNegative()), &Steps::spread_m);
+      field({"lead_nats", "S", Finite()}, &Steps::lead_nats);
+      field({"expected_lead_nats", "S", NotNegative()}, &Steps::expected_lead_nats);
       field(Needed("entries", "S", RowsOf("belief/position")), &Steps::entries);
     }
   };
