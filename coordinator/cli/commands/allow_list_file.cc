@@ -10,6 +10,7 @@
 
 #include "coordinator/cli/common/failure.h"
 #include "schema/store/atomic_file.h"
+#include "schema/text.h"
 
 namespace cairn::cli {
 namespace {
@@ -78,6 +79,9 @@ fs::path Target(const fs::path& list) {
 
 void AllowKey(const fs::path& named, const std::string& key, const wire::Roles& roles,
               const std::string& name) {
+  // A line of its own would be another key.
+  if (const std::string wrong = WhatIsWrongWithName(name); !wrong.empty())
+    throw InputError("the name '" + name + "' " + wrong + "; --name gives another");
   const fs::path list = Target(named);
   const FolderLock lock(list.parent_path());
   Read(list);  // a list that is damaged is not made worse

@@ -39,6 +39,16 @@ class AllowListFile : public testing::Test {
 
 TEST_F(AllowListFile, ANewOneIsItsOwnersAlone) { EXPECT_EQ(Look(list_).st_mode & 0777, 0600U); }
 
+// The name of a .pub file that a stranger sent.
+TEST_F(AllowListFile, ANameWithLinesLetsNobodyElseIn) {
+  const std::string third = wire::GenerateKeyPair().public_key;
+  const std::string stranger = wire::GenerateKeyPair().public_key;
+  EXPECT_THROW(AllowKey(list_, third, {.viewer = true}, "desk\n" + stranger + " worker,submitter\n#"),
+               InputError);
+  EXPECT_FALSE(Lists(list_, third));
+  EXPECT_FALSE(Lists(list_, stranger));
+}
+
 // A coordinator that could read the list can read what takes its place.
 TEST_F(AllowListFile, AChangeKeepsTheModeAndTheGroup) {
   ASSERT_EQ(::chmod(list_.c_str(), 0644), 0);

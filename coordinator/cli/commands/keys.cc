@@ -9,6 +9,7 @@
 #include "coordinator/cli/common/home.h"
 #include "coordinator/cli/common/invocation.h"
 #include "schema/store/atomic_file.h"
+#include "schema/text.h"
 
 namespace cairn::cli {
 namespace {
@@ -35,7 +36,8 @@ std::string KeyOf(const std::string& given) {
 }
 
 int New(const KeysArguments& options, const Invocation&) {
-  if (options.name.empty() || options.name.find('/') != std::string::npos || options.name[0] == '.')
+  if (options.name.empty() || options.name.find('/') != std::string::npos || options.name[0] == '.' ||
+      !WhatIsWrongWithName(options.name).empty())
     throw InputError("'" + options.name + "' is no name for a key pair; --dir says where it goes");
   std::error_code error;
   if (fs::create_directories(Folder(options), error))
@@ -73,7 +75,7 @@ int Show(const KeysArguments& options, const Invocation&) {
   std::string text = "keys in " + Folder(options).string() + ":\n";
   for (const auto& [name, key] : OwnKeys(options)) {
     json["keys"].push_back({{"name", name}, {"key", key}});
-    text += "  " + key + "  " + name + "\n";
+    text += "  " + key + "  " + Escaped(name) + "\n";
   }
   text += "allowed to connect to a coordinator with these keys:\n";
   for (const auto& [key, allowed] : ReadList(options)) {
@@ -88,7 +90,6 @@ int Show(const KeysArguments& options, const Invocation&) {
 int Allow(const KeysArguments& options, const Invocation&) {
   const Result<wire::Roles> roles = wire::ParseRoles(options.roles);
   if (!roles.ok()) throw InputError("--as: " + roles.status().message());
-  if (options.name.find('\n') != std::string::npos) throw InputError("--name: one line");
   const std::string key = KeyOf(options.key);
   const bool known = ReadList(options).contains(key);
   std::string name = options.name;
