@@ -67,6 +67,11 @@ std::string Whereabouts(const Job& job) {
          std::to_string(job.tasks.size()) + " tasks done";
 }
 
+void Job::SetSpec(const proto::Job& job) {
+  spec = job;
+  hash = HashOfJob(job);
+}
+
 Standing Job::Stands() const {
   return {state, reason, input_error, held, spec.priority(), failures, ended_served_s};
 }

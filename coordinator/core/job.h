@@ -80,6 +80,7 @@ struct Job {
   std::string id;
   std::uint64_t order = 0;
   proto::Job spec;
+  Hash hash;  // of it: HashOfJob
   // How it stands.
   proto::JobState state = proto::JOB_RUNNING;
   std::string reason;
@@ -115,6 +116,7 @@ struct Job {
   double seconds_before = 0;
   double ended_served_s = 0;  // Core::served_s when it ended
 
+  void SetSpec(const proto::Job& job);
   bool Running() const { return state == proto::JOB_RUNNING; }
   bool Ended() const { return state != proto::JOB_RUNNING && state != proto::JOB_PAUSED; }
   // Nothing but its record is needed any more.

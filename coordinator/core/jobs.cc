@@ -31,7 +31,7 @@ void Core::On(const SubmitJob& event) {
   Job& job = jobs_[order];
   job.id = event.id;
   job.order = order;
-  job.spec = event.job;
+  job.SetSpec(event.job);
   job.running_since_s = job.round_since_s = now_s_;
   actions_.push_back(JobChanged{job.id});
   Say(Report::kInfo, job,
@@ -101,7 +101,7 @@ void Core::On(const RestoreJob& event) {
   Job& job = jobs_[order];
   job.id = saved.job_id();
   job.order = order;
-  job.spec = saved.job();
+  job.SetSpec(saved.job());
   job.state = saved.state();
   job.reason = saved.reason();
   job.input_error = saved.input_error();

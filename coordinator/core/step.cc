@@ -2,7 +2,6 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
-#include <cmath>
 #include <string>
 
 #include "coordinator/core/round.h"
@@ -16,9 +15,11 @@ bool IsHash(const std::string& binary) { return binary.size() == sizeof(Hash::by
 constexpr int kMostPhases = 100;
 // Of a round; the largest that a pipeline has planned was of some thousands.
 constexpr int kMostTasks = 200'000;
-constexpr std::size_t kMostInputs = 2'000'000;
+constexpr std::size_t kMostInputs = 500'000;  // each takes the coordinator a kilobyte
 
-bool IsAmount(double value) { return value >= 0 && std::isfinite(value); }
+constexpr double kMostAmount = 1e15;  // sums of more would be no times
+
+bool IsAmount(double value) { return value >= 0 && value <= kMostAmount; }
 
 std::string CheckTask(const proto::Task& task, std::uint32_t place) {
   if (task.kind().size() > kMostNameBytes) return "task " + std::to_string(place) + ": its kind is no name";

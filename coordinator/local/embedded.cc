@@ -216,8 +216,7 @@ void Run::RemoveReplaced() {
 // A run that ended for bad input before it had any result: whoever mends the input need not force anything.
 bool Run::EarlierRunIsWorthless() const {
   const Job* known = Known();
-  return known != nullptr && known->input_error && known->results.empty() &&
-         HashOfJob(known->spec) != HashOfJob(job_);
+  return known != nullptr && known->input_error && known->results.empty() && known->hash != HashOfJob(job_);
 }
 
 std::vector<fs::path> Run::PublishedByThisRun() const {
@@ -286,7 +285,7 @@ std::optional<EmbeddedResult> Run::LookAtEarlierRun() {
                    ResultFile(stage.name()).string() + " is there already, of another run");
     return std::nullopt;
   }
-  if (HashOfJob(known->spec) != HashOfJob(job_))
+  if (known->hash != HashOfJob(job_))
     return End(EmbeddedEnd::kConflict,
                options_.dir + " holds a run of another job, or of other inputs or options");
   if (const std::string wrong = WhatIsWrongWithResults(); !wrong.empty())

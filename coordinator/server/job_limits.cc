@@ -17,6 +17,10 @@ std::string CheckLimits(const proto::Job& job, const wire::JobLimits& limits) {
     return "the job is larger than " + std::to_string(limits.job_bytes) + " bytes";
   if (job.stages_size() > limits.stages)
     return "the job has more than " + std::to_string(limits.stages) + " stages";
+  int values = job.inputs_size() + job.input_blobs_size();
+  for (const proto::Stage& stage : job.stages()) values += stage.inputs_size() + stage.options_size();
+  if (values > limits.values)
+    return "the job has more than " + std::to_string(limits.values) + " inputs and options";
   bool plain = IsPlain(job.name(), most);
   for (const auto& [name, path] : job.inputs()) plain = plain && IsPlain(name, most) && IsPlain(path, most);
   for (const auto& [name, hash] : job.input_blobs()) plain = plain && IsPlain(name, most);

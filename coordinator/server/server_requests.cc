@@ -107,12 +107,13 @@ void Server::Serve(const std::string& peer, const wire::Submit& submit) {
   std::string wrong = CheckLimits(job, options_.limits);
   if (wrong.empty()) wrong = CheckJob(job);
   if (!wrong.empty()) return RefuseJob(peer, wire::RefusalKind::kJob, wrong);
+  const Hash hash = HashOfJob(job);
   for (const wire::JobInfo& info : core_.Jobs()) {
     const Job* known = core_.FindJob(info.id());
     // One that is done would give the same bits again; of one that has failed or was cancelled another is
     // wanted.
     const bool serves = !known->leaving && (!known->Ended() || known->state == proto::JOB_DONE);
-    if (!serves || HashOfJob(known->spec) != HashOfJob(job)) continue;
+    if (!serves || known->hash != hash) continue;
     return Handle(SubmitJob{info.id(), job, uploads_.Take(peer), peer});  // told twice
   }
   if (const std::string full = use_.WhyNoRoom(0); !full.empty())

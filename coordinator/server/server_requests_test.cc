@@ -72,6 +72,18 @@ TEST(ServerRequests, AJobThatCannotBeSavedIsRefusedAndItsNumberGivenToNobodyElse
   EXPECT_EQ(fixture.server->core().Jobs()[0].id(), "2-toy");
 }
 
+// Each takes far more memory than what is sent, and time whenever jobs are compared.
+TEST(ServerRequests, AJobOfVeryManyOptionsIsRefused) {
+  ServerFixture fixture;
+  proto::Job job = fixture.MakeJob();
+  for (int i = 0; i <= wire::JobLimits().values; ++i)
+    (*job.mutable_stages(0)->mutable_options())["o" + std::to_string(i)].set_i(i);
+  const wire::Reply refused = fixture.Ask(fixture.Submission(job));
+  EXPECT_FALSE(refused.ok());
+  EXPECT_NE(refused.message().find("more than 4096 inputs and options"), std::string::npos)
+      << refused.message();
+}
+
 // A store that is called what users are told instead: the message was searched for ever.
 TEST(ServerRequests, AStoreOfARelativeNameIsNamedToUsersAsAnyOther) {
   ServerFixture fixture;

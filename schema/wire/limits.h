@@ -51,6 +51,7 @@ struct Places {
 struct JobLimits {
   std::size_t job_bytes = 1 << 20;  // of a submission, without its blobs
   int stages = 100;
+  int values = 4096;              // its inputs and options, of all stages together
   int hashes = 1 << 16;           // of blobs that a client asks for at once: more than a submission can name
   std::size_t text_bytes = 4096;  // of a name, a reason, a note
   std::uint32_t slots = 1000;     // of a worker
