@@ -107,6 +107,15 @@ exits 0 cairn results --name 'landmark_map-*' --out named
 for job in "$monday" "$tuesday"; do same_bits both/"$job" named/"$job"; done
 exits 0 cairn run landmark_map logs/tuesday.h5 --out tuesday
 same_bits tuesday both/"$tuesday"
+# Two at once into one folder: the second finds the first one's.
+for i in 1 2 3 4; do
+  cairn results "$monday" --out "at_once_$i" >/dev/null 2>&1 & first=$!
+  cairn results "$tuesday" --out "at_once_$i" >/dev/null 2>&1 & second=$!
+  codes=0
+  wait "$first" || codes=$((codes + $?))
+  wait "$second" || codes=$((codes + $?))
+  [ "$codes" -eq 2 ] || die "both ended alike, or with another code than 2: $codes in all"
+done
 refuses "no job that is done is called 'nobody'" cairn results --name nobody
 refuses 'name the jobs' cairn results
 grep -q 'listening on' coordinator.log || die "the coordinator does not say where it listens"

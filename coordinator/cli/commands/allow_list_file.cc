@@ -1,7 +1,5 @@
 #include "coordinator/cli/commands/allow_list_file.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -9,6 +7,7 @@
 #include <sstream>
 
 #include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/folder_lock.h"
 #include "schema/store/atomic_file.h"
 #include "schema/text.h"
 
@@ -16,22 +15,6 @@ namespace cairn::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Two that change the list at a time do so one after the other.
-class FolderLock {
- public:
-  explicit FolderLock(const fs::path& folder)
-      : fd_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    if (fd_ < 0) throw InputError(folder.string() + ": no folder of keys (`cairn keys new` makes one)");
-    ::flock(fd_, LOCK_EX);
-  }
-  ~FolderLock() { ::close(fd_); }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int fd_;
-};
 
 std::string FirstWord(const std::string& line) {
   std::istringstream words(line);
@@ -68,6 +51,13 @@ void Write(const fs::path& list, const std::string& text) {
   Check(WriteTextAtomically(list, text + kEnd + "\n", RightsFor(list)));
 }
 
+// Two that change the list at a time do so one after the other.
+FolderLock Lock(const fs::path& folder) {
+  if (!fs::is_directory(folder))
+    throw InputError(folder.string() + ": no folder of keys (`cairn keys new` makes one)");
+  return FolderLock(folder);
+}
+
 // What the coordinator reads where the list is a link to one that several share.
 fs::path Target(const fs::path& list) {
   if (!fs::is_symlink(fs::symlink_status(list))) return list;
@@ -83,7 +73,7 @@ void AllowKey(const fs::path& named, const std::string& key, const wire::Roles& 
   if (const std::string wrong = WhatIsWrongWithName(name); !wrong.empty())
     throw InputError("the name '" + name + "' " + wrong + "; --name gives another");
   const fs::path list = Target(named);
-  const FolderLock lock(list.parent_path());
+  const FolderLock lock = Lock(list.parent_path());
   Read(list);  // a list that is damaged is not made worse
   const std::string line = key + " " + wire::RoleText(roles) + (name.empty() ? "" : " " + name) + "\n";
   Write(list, LinesWithout(list, {{key, {}}}) + line);
@@ -91,7 +81,7 @@ void AllowKey(const fs::path& named, const std::string& key, const wire::Roles& 
 
 int RevokeKeys(const fs::path& named, const std::string& key_or_name) {
   const fs::path list = Target(named);
-  const FolderLock lock(list.parent_path());
+  const FolderLock lock = Lock(list.parent_path());
   wire::AllowedKeys gone;
   for (const auto& [key, allowed] : Read(list))
     if (key == key_or_name || allowed.name == key_or_name) gone.emplace(key, allowed);

@@ -8,6 +8,7 @@
 #include "coordinator/cli/commands/client_arguments.h"
 #include "coordinator/cli/commands/report.h"
 #include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/folder_lock.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/stop_signal.h"
 #include "coordinator/cli/output/console.h"
@@ -113,6 +114,7 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) Throw(SystemFailure(folder, "cannot make the folder", error.value()));
+  const FolderLock lock(folder);  // another job's may be on their way there, too
   RemoveLeftovers(folder);
   for (const auto& [stage, blob] : results) {
     const std::string file = (folder / (stage + ".h5")).string();

@@ -148,11 +148,15 @@ void WritePage(const std::string& path, const std::string& bytes) {
   if (is_kept) WriteRecord(dir, record);
 }
 
-void CheckFolderIsFree(const std::string& folder, bool force) {
-  if (force || !fs::is_directory(folder) || fs::is_empty(folder)) return;
-  if (!fs::is_directory(fs::path(folder) / "results"))
+void TakeStudyFolder(const std::string& folder, bool force) {
+  const fs::path mark = fs::path(folder) / ".cairn-study";
+  if (!force && fs::is_directory(folder) && !fs::is_empty(folder) && !fs::is_regular_file(mark))
     throw InputError("'" + folder +
                      "' holds files of something else; name a new folder (--force writes there)");
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) Throw(SystemFailure(folder, "cannot make the folder", error.value()));
+  if (!fs::exists(mark)) Check(WriteTextAtomically(mark, "cairn-reproduce writes here\n"));
 }
 
 }  // namespace cairn::cli

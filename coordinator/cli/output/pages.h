@@ -27,8 +27,8 @@ void WritePagesOf(const std::string& dir, const std::string& job, const std::vec
 // One page, whose hash is kept in the same way where it comes to lie in such a folder.
 void WritePage(const std::string& path, const std::string& bytes);
 
-// Throws InputError, unless `force`, of the folder of a study, which is filled with files of many names: one
-// that holds something, but no `results` of an earlier study.
-void CheckFolderIsFree(const std::string& folder, bool force);
+// Makes the folder of a study, which is filled with files of many names, and marks it (.cairn-study). Throws
+// InputError, unless `force`, of one that holds something and has no mark.
+void TakeStudyFolder(const std::string& folder, bool force);
 
 }  // namespace cairn::cli

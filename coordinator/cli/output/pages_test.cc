@@ -130,5 +130,16 @@ TEST_F(Pages, OnePageMayBeReplacedWhereTheOthersAreKnown) {
   EXPECT_EQ(Refusal(), "");
 }
 
+// A folder called `results` is nothing that only studies have.
+TEST_F(Pages, AStudyTakesAnEmptyFolderOrItsOwn) {
+  fs::create_directories(dir_.path() / "paper/results");
+  std::ofstream(dir_.path() / "paper/index.html") << "mine";
+  EXPECT_THROW(TakeStudyFolder(dir_.path() / "paper", false), InputError);
+  TakeStudyFolder(dir_.path() / "new", false);
+  std::ofstream(dir_.path() / "new/index.html") << "figures";
+  TakeStudyFolder(dir_.path() / "new", false);
+  TakeStudyFolder(dir_.path() / "paper", true);
+}
+
 }  // namespace
 }  // namespace cairn::cli

@@ -238,7 +238,7 @@ int Adapt(const ReproduceBallArguments& options, const Invocation& call) {
 }
 
 int Ball(const ReproduceBallArguments& options, const Invocation& call) {
-  CheckFolderIsFree(options.out, options.force);
+  TakeStudyFolder(options.out, options.force);
   if (options.study == "paper") return Paper(options, call);
   if (options.study == "adapt") return Adapt(options, call);
   return options.study == "active" ? Active(options, call) : Variants(options, call);

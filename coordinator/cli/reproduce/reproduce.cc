@@ -70,7 +70,7 @@ int Landmarks(const ReproduceArguments& options, const Invocation& call) {
 coordinator::EmbeddedResult RunStudy(const StudyFolder& folder, const proto::Job& job,
                                      const std::map<std::string, Blob>& inputs, const Invocation& call) {
   const fs::path out = folder.out;
-  CheckFolderIsFree(folder.out, folder.force);
+  TakeStudyFolder(folder.out, folder.force);
   coordinator::EmbeddedOptions embedded;
   embedded.dir = (out / "results").string();
   embedded.workers = folder.workers;

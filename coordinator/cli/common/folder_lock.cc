@@ -1,0 +1,22 @@
+#include "coordinator/cli/common/folder_lock.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "coordinator/cli/common/failure.h"
+#include "schema/store/atomic_file.h"
+
+namespace cairn::cli {
+
+FolderLock::FolderLock(const std::filesystem::path& folder)
+    : fd_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (fd_ < 0) Throw(SystemFailure(folder, "open", errno));
+  ::flock(fd_, LOCK_EX);
+}
+
+FolderLock::~FolderLock() { ::close(fd_); }
+
+}  // namespace cairn::cli

@@ -1,0 +1,21 @@
+// One command at a time in a folder.
+#pragma once
+
+#include <filesystem>
+
+namespace cairn::cli {
+
+// Waits until no other has it. Where a file system has no such locks (NFS), nobody waits.
+// Throws WorldError where there is no folder that can be opened.
+class FolderLock {
+ public:
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int fd_;
+};
+
+}  // namespace cairn::cli
