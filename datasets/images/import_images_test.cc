@@ -165,6 +165,20 @@ TEST_F(ImportImagesTest, BadTablesNameFileLineAndReason) {
   ExpectContains(Failure(header_ + all), "nowhere: there is no such folder");
 }
 
+// A data set is somebody else's: what it names may be any file of the reader's.
+TEST_F(ImportImagesTest, ImagesOutsideOfTheFolderAreRefused) {
+  PutImage("../private.png", 12, 16);
+  const std::string outside = std::filesystem::canonical(folder_ / "private.png").string();
+  std::filesystem::create_symlink(outside, options_.folder + "/link.png");
+  std::filesystem::create_symlink("a.png", options_.folder + "/inside.png");
+  for (const std::string& image : {std::string("../private.png"), std::string("deep/../../private.png"),
+                                   outside, std::string("link.png")})
+    EXPECT_NE(Failure(header_ + image + ",0,0,0\n").find("image outside of the folder"), std::string::npos)
+        << image;
+  options_.skip_bad = true;
+  EXPECT_EQ(Failure(header_ + "inside.png,0,0,0\na.png,1,1,0\n"), "");
+}
+
 TEST_F(ImportImagesTest, BadImagesNameTheLine) {
   folder_.Put("garden/text.png", "no image");
   PutImage("small.png", 12, 15);

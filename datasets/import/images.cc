@@ -37,7 +37,8 @@ class ImagesImport {
   ImagesImport(const ImagesImportOptions& options, const ImageReader& read)
       : options_(options), read_(read), bad_(options.skip_bad) {
     if (!fs::is_directory(options.folder)) throw InputError(options.folder + ": there is no such folder");
-    folder_name_ = fs::canonical(options_.folder).filename().string();
+    folder_ = fs::canonical(options_.folder);
+    folder_name_ = folder_.filename().string();
   }
 
   ImportReport Run(Blob* samples) {
@@ -62,6 +63,14 @@ class ImagesImport {
   const std::string& Table() const { return options_.times.empty() ? options_.poses : options_.times; }
   std::string PathOf(std::string_view image) const {
     return (fs::path(options_.folder) / image).lexically_normal().string();
+  }
+
+  // Whoever hands on a data set must not choose which of the next person's pictures go into the samples, be
+  // it by a link.
+  bool IsInFolder(const std::string& path) const {
+    std::error_code error;
+    const fs::path file = fs::canonical(path, error);
+    return !error && std::ranges::mismatch(folder_, file).in1 == folder_.end();
   }
 
   // The paths that the table names. With `readings` its lines become samples of them; without they are only
@@ -108,6 +117,7 @@ class ImagesImport {
     if (!checked) return;
     const std::string name(*checked);
     if (!fs::is_regular_file(path)) return reader->Bad("no such image", path);
+    if (!IsInFolder(path)) return reader->Bad("image outside of the folder", path);
     if (name.empty()) return reader->Bad("run without a name", "the column is empty");
     const auto index = static_cast<std::size_t>(runs_.FindOrAdd(name));
     if (index == samples_.runs.size()) samples_.runs.emplace_back().name = name;
@@ -204,6 +214,7 @@ class ImagesImport {
   Samples samples_;
   std::size_t image_bytes_ = 0;
   NameIndex runs_;
+  fs::path folder_;
   std::string folder_name_;
 };
 
