@@ -361,6 +361,10 @@ Verdict LandmarkMapVerdict(const Blob& result) {
     observations += robot.map_landmark.OrNone().size();
     for (const std::int32_t landmark : robot.map_landmark.OrNone()) explained += landmark >= 0;
   }
+  // What was left out counts neither way.
+  if (map.until_observations)
+    observations = std::clamp<std::size_t>(static_cast<std::size_t>(*map.until_observations.Optional()),
+                                           explained, observations);
   verdict.AddCount("observations", observations);
   verdict.AddCount("observations_explained", explained);
   const auto all = static_cast<double>(std::max<std::size_t>(1, observations));

@@ -361,6 +361,9 @@ TEST(LandmarkMapVerdict, SaysWhatItsLandmarksDoNotExplain) {
   result.Put("robots", Array::Texts({"robot"}));
   EXPECT_NE(TextOf(result).find("; 3 of 5 observations are of none of its landmarks"), std::string::npos)
       << TextOf(result);
+  result.PutScalar<std::int64_t>("until_observations", 3);  // the others were never looked at
+  EXPECT_NE(TextOf(result).find("; 1 of 3 observations is of none of its landmarks"), std::string::npos)
+      << TextOf(result);
 }
 
 TEST(NotRefined, SaysWhyAndWhetherItWasRefused) {

@@ -386,7 +386,9 @@ Scores MakeScores(const LocalEvaluation& score) {
   AddWalls(score.walls, &scores);
   scores.Add("loops.found", score.loops.found, fmt::format(", {} of them wrong", score.loops.wrong));
   scores.AddForPrograms("loops.wrong", score.loops.wrong);
-  scores.Add("loops.mean_m", score.loops.mean_m, " off those that are right");
+  const bool any_right = score.loops.found > score.loops.wrong;
+  scores.Add("loops.mean_m", any_right ? ScoreValue(score.loops.mean_m) : ScoreValue(),
+             any_right ? " off those that are right" : "");
   scores.Add("loops.rejected", score.loops.rejected,
              fmt::format(", {} of them wrong", score.loops.rejected_wrong));
   scores.AddForPrograms("loops.rejected_wrong", score.loops.rejected_wrong);

@@ -211,6 +211,10 @@ TEST(EvaluateLocal, JsonHasTheNamesThatAreWrittenOf) {
                            "/wall_orientation/error_deg", "/loops/found", "/loops/wrong"})
     EXPECT_TRUE(json.at(nlohmann::json::json_pointer(name)).is_number()) << name;
   EXPECT_TRUE(json["trajectory"]["in_trace_mean_m"].is_null());
+  EXPECT_NEAR(json["loops"]["mean_m"].get<double>(), 0.1, 1e-9);
+  LocalEvaluation none = EvaluateLocal(Result(log), log);
+  none.loops = {};
+  EXPECT_TRUE(nlohmann::json::parse(MakeScores(none).ToJson())["loops"]["mean_m"].is_null()) << "of none";
   const std::string text = MakeScores(EvaluateLocal(Result(log), log)).ToText();
   EXPECT_NE(text.find("loops.found                       2, 1 of them wrong\n"), std::string::npos) << text;
 }

@@ -242,6 +242,7 @@ TEST(LandmarkMap, APrefixGivesTheMapOfALogThatEndsThere) {
   options.prefix_observations = 6;
   const BlobPtr prefix = Map(log, options);
   EXPECT_EQ(prefix->Scalar<double>("until_s"), until_s);
+  EXPECT_EQ(prefix->Scalar<std::int64_t>("until_observations"), 6);
   for (const char* name : {"map/landmark_x_m", "map/grid/probability", "robot/0/poses/time_s",
                            "robot/0/poses/mode_x_m", "history/log_likelihood"}) {
     EXPECT_TRUE(prefix->at(name) == cut->at(name)) << name;

@@ -294,7 +294,14 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
       if (errors.range_m != 0.0) result.PutScalar<double>(prefix + "range_offset_m", errors.range_m);
     }
   }
-  if (std::isfinite(settings.steps.until_s)) result.PutScalar<double>("until_s", settings.steps.until_s);
+  if (const double until_s = settings.steps.until_s; std::isfinite(until_s)) {
+    result.PutScalar<double>("until_s", until_s);
+    std::int64_t looked_at = 0;
+    for (const kinds::Log::Robot& robot : log.robot)
+      looked_at += std::ranges::count_if(robot.observations.time_s.values(),
+                                         [&](double time_s) { return time_s <= until_s; });
+    result.PutScalar<std::int64_t>("until_observations", looked_at);
+  }
   if (settings.detection.false_ratio > 0.0 && settings.detection.tells_passes && !settings.incremental) {
     const double reach = std::max(5.0 * settings.map.observation_m, 1.5 * settings.map.grid.cell_m);
     KeepLandmarks(AreLandmarks(result, landmarks, settings.detection, reach), &landmarks, &result);

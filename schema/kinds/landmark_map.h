@@ -175,6 +175,7 @@ struct LandmarkMap {
 
   Texts robots, landmarks, types, log_hash, refinement_reason;
   Column<double> until_s;
+  Column<std::int64_t> until_observations;
   std::vector<Robot> robot;
   Map map;
   History history;
@@ -190,6 +191,7 @@ struct LandmarkMap {
     field({"types", "T"}, &LandmarkMap::types);
     field({"log_hash", ""}, &LandmarkMap::log_hash);
     field({"until_s", "", Finite()}, &LandmarkMap::until_s);
+    field({"until_observations", "", From(0)}, &LandmarkMap::until_observations);
     field("robot", &LandmarkMap::robot);
     field("map", &LandmarkMap::map);
     field("history", &LandmarkMap::history);

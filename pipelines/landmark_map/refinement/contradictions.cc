@@ -15,7 +15,7 @@ constexpr double kShareElsewhere = 0.25, kLeastElsewhere = 4.0;  // of a landmar
 
 constexpr const char* kCausesOfNamed =
     "do bearings grow counter-clockwise from ahead, are ranges in metres, do odometry and observations use "
-    "one clock, was it moved, and were identities mixed up?";
+    "one clock, was it moved, do several things bear one name, and were identities mixed up?";
 constexpr const char* kCausesOfErrors =
     " Or are errors of the sensor or of odometry larger than the log states, or than is taken by default "
     "(`cairn import csv --help`: --contact-m, --range-m, --heading-drift-rad-per-m)?";
