@@ -105,11 +105,12 @@ bool AnyAtADistance(const std::vector<RobotSteps>& steps) {
   });
 }
 
-// The last E-step's sum, which no map follows.
+// The last E-step's sum, which no map follows. Throws NoPathError where a task of the round said so.
 MStep Summary(Partials& partials, const Settings& settings, WhatIsLeft* left, std::size_t robots) {
   MStep last{RoundSum(settings, robots), {}, {}};
   for (std::size_t i = 0; i < partials.size(); ++i) {
     const BlobPtr partial = partials.Get(i);
+    if (partial->Has(kFailure)) throw NoPathError(partial->Text(kFailure));
     last.sum.Add(*partial);
     left->Add(*partial);
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "pipelines/landmark_map/measured.h"
 #include "pipelines/landmark_map/model/e_step.h"
 #include "pipelines/landmark_map/outlook.h"
+#include "pipelines/landmark_map/refinement/contradictions.h"
 #include "pipelines/landmark_map/refinement/refine.h"
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/search.h"
@@ -63,6 +65,16 @@ Blob RunTask(const Options& options, const Task& task, const Inputs& inputs, Pro
 
 cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
   CheckIncremental(options_, inputs);
+  const std::vector<std::size_t> robots = FirstRobots(options_, inputs);
+  if (robots.size() < 2) return StartFrom(inputs, 1);
+  FirstRobotTrials trials(robots);
+  cairn::Step step = StartFrom(LedBy(trials.robot(), inputs), robots.size());
+  trials.Expect(step.plan);
+  trials.Store(&step);
+  return step;
+}
+
+cairn::Step LandmarkMap::StartFrom(const Inputs& inputs, std::size_t trials) const {
   const BlobPtr log = inputs.Get("log");
   const Options search = inputs.Has("map") ? options_ : ForSearch(options_, *log);
   if (search.cell_m != options_.cell_m) {  // the search tells nothing of what the finer grid takes
@@ -93,8 +105,10 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
     search.Put("why", Array::Text(ChooseStarts(options_, *log).why));
     (*starts[0].plan.mutable_state()->mutable_blobs())["search"] = starts[0].Share(std::move(search));
   }
-  const Estimate estimate =
+  Estimate estimate =
       EstimateJob(options_, settings, steps, starts, initial.perception ? &*initial.perception : nullptr);
+  estimate.rounds *= static_cast<double>(trials);
+  estimate.seconds *= static_cast<double>(trials);
   RequireMemory("a task", 1e6 * estimate.task_mb, settings.memory_mb);
   cairn::Step step = starts.size() == 1 ? std::move(starts[0]) : Merged(options_, std::move(starts));
   estimate.Store(step.plan.mutable_state());
@@ -102,14 +116,15 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
                           : options_.iterations == 0 ? "iterations=0 leaves nothing to choose"
                                                      : ChooseStarts(options_, *log).why;
   step.plan.set_note(Sentence(estimate, settings, robot_states) +
-                     fmt::format("; {} start{}: {}", settings.starts, settings.starts == 1 ? "" : "s", why));
+                     fmt::format("; {} start{}: {}", settings.starts, settings.starts == 1 ? "" : "s", why) +
+                     (trials > 1 ? fmt::format("; {} robots are tried as the first", trials) : ""));
   return step;
 }
 
-// That no path fits one of several starts is that start's affair.
+// That no path fits one of several starts, or under one of several first robots, is that one's affair.
 Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
   RequireKind(task, {"incremental", "sum", "m_step", "guess", "forward", "backward"});
-  if (!task.params().contains("start")) return RunTask(options_, task, inputs, progress);
+  if (!task.params().contains("start") && !IsOfTrial(task)) return RunTask(options_, task, inputs, progress);
   for (const proto::InputRef& input : task.inputs()) {
     if (input.has_task() && inputs.Get(input.name())->Has(kFailure)) return *inputs.Get(input.name());
   }
@@ -124,6 +139,42 @@ Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress
 
 cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
   if (options_.incremental) return IncrementalResult(options_, state, partials, inputs);
+  const auto trials = FirstRobotTrials::Load(state, inputs.Get("log")->Texts("robots").size());
+  return trials ? AdvanceTrial(*trials, state, partials, inputs) : AdvanceFrom(state, partials, inputs);
+}
+
+cairn::Step LandmarkMap::AdvanceTrial(FirstRobotTrials trials, const State& state, Partials& partials,
+                                      const Inputs& inputs) const {
+  const BlobPtr log = inputs.Get("log");
+  cairn::Step step;
+  try {
+    step = AdvanceFrom(state, partials, LedBy(trials.robot(), inputs));
+    if (step.plan.result().empty()) {
+      trials.Store(&step);
+      step.plan.set_note(trials.Note(*log, step.plan.note()));
+      return step;
+    }
+    const Blob result = InOrderOf(*log, trials.robot(), *step.blobs.back());
+    step = {};
+    trials.Ended(result, Settings::In(*inputs.Get("settings"), options_), &step);
+  } catch (const NoPathError& error) {
+    trials.Failed(error.what(), *log);
+  } catch (const RobotsContradictError& error) {
+    trials.Failed(error.what(), *log);
+  }
+  if (!trials.Next()) {
+    const std::string result = step.Share(trials.Best(*log, inputs, step));
+    step.plan.set_result(result);
+    return step;
+  }
+  cairn::Step next = StartFrom(LedBy(trials.robot(), inputs), trials.count());
+  std::ranges::move(step.blobs, std::back_inserter(next.blobs));
+  trials.Store(&next);
+  next.plan.set_note(trials.Note(*log, next.plan.note()));
+  return next;
+}
+
+cairn::Step LandmarkMap::AdvanceFrom(const State& state, Partials& partials, const Inputs& inputs) const {
   return StartsIn(state) > 0 ? AdvanceSearch(state, partials, inputs)
                              : AdvanceEm(options_, state, partials, inputs);
 }

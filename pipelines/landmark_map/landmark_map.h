@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "pipelines/landmark_map/first_robot.h"
 #include "pipelines/landmark_map/incremental.h"
 #include "pipelines/landmark_map/state/options.h"
 #include "pipelines/landmark_map/state/schedule.h"
@@ -14,7 +15,8 @@ namespace cairn::landmark_map {
 // Inputs (schema/FORMAT.md): log, and perhaps map, a landmark_map from which EM starts. Result: kind
 // landmark_map. A round is an E-step: a chain of tasks `forward` and a chain of tasks `backward` over the
 // time slices of each robot, or all slices side by side (speculation.h), then the task `m_step`. With several
-// starts the first robot's rounds hold the tasks of all of them (common/fan_out.h, search.h). With the option
+// starts the first robot's rounds hold the tasks of all of them (common/fan_out.h, search.h). Where several
+// robots are tried as the first, all of that follows once for each (first_robot.h). With the option
 // incremental it is one task (incremental.h).
 class LandmarkMap : public Pipeline {
  public:
@@ -26,6 +28,12 @@ class LandmarkMap : public Pipeline {
   cairn::Step Advance(const State& state, Partials& partials, const Inputs& inputs) const override;
 
  private:
+  // With the log's first robot as the first; so many `trials` of the kind there are.
+  cairn::Step StartFrom(const Inputs& inputs, std::size_t trials) const;
+  cairn::Step AdvanceFrom(const State& state, Partials& partials, const Inputs& inputs) const;
+  // Of one of several robots that are tried as the first, then of the next.
+  cairn::Step AdvanceTrial(FirstRobotTrials trials, const State& state, Partials& partials,
+                           const Inputs& inputs) const;
   // Candidate starts advance together until EM of the first robot has ended in all of them.
   cairn::Step AdvanceSearch(const State& state, Partials& partials, const Inputs& inputs) const;
   // The State of the best candidate, on the finer grid that was asked for: EM goes on from its landmarks.

@@ -92,8 +92,9 @@ struct LandmarkMap {
   };
   struct Search {
     Column<double> start_drift_rad_per_m, start_prefix, drift_rad_per_m, log_likelihood, score_nats,
-        lead_nats;
-    Column<std::int32_t> refit_of, landmarks, same_map, best, support, starts;
+        lead_nats, tried_score_nats;
+    Column<std::int32_t> refit_of, landmarks, same_map, best, support, starts, first_robot, tried_robot,
+        tried_same_map;
     Texts unlike, why;
     static void Fields(const auto& field) {
       field({"start_drift_rad_per_m", "C", Finite()}, &Search::start_drift_rad_per_m);
@@ -110,6 +111,10 @@ struct LandmarkMap {
       field({"unlike", "U"}, &Search::unlike);
       field({"why", ""}, &Search::why);
       field({"lead_nats", "", Free()}, &Search::lead_nats);
+      field({"first_robot", "", IndexInto("robots")}, &Search::first_robot);
+      field({"tried_robot", "B", IndexInto("robots")}, &Search::tried_robot);
+      field({"tried_score_nats", "B", Finite().OrNan()}, &Search::tried_score_nats);
+      field({"tried_same_map", "B", YesNo()}, &Search::tried_same_map);
     }
   };
 

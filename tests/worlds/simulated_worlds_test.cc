@@ -28,8 +28,8 @@ struct Mapped {
 };
 
 Mapped Map(const std::string& difficulty, std::uint64_t seed, const LoopSensing& sensing,
-           const std::vector<std::string>& options = {}) {
-  datasets::SimulateLoopOptions world{.difficulty = difficulty, .seed = seed};
+           const std::vector<std::string>& options = {}, int robots = 1) {
+  datasets::SimulateLoopOptions world{.difficulty = difficulty, .robots = robots, .seed = seed};
   world.sensing = sensing;
   Mapped mapped;
   mapped.log = datasets::SimulateLoop(world);
@@ -102,6 +102,14 @@ TEST(SimulatedWorlds, RangesAndBearingsWithIdentities) {
 // Of the images within a step one counts, so most range-bearing observations are of no landmark: no topology.
 TEST(SimulatedWorlds, RangesAndBearingsWithoutIdentities) {
   ExpectEveryLandmarkAndNoOther(Map("base", 3, {.sensor = "range-bearing"}), 1.0);
+}
+
+// The first robot's own map is wrong, and the second, placed in it, does not put it right; but the second
+// one's is right, and the first is found in it.
+TEST(SimulatedWorlds, TheRobotWhoseOwnMapIsWrongDoesNotDecideThoughItComesFirstInTheLog) {
+  const Mapped mapped = Map("paper", 22, {.sensor = "range-bearing"}, {"waves=0"}, 2);
+  ExpectTheTruth(mapped, 0.4);
+  EXPECT_EQ(mapped.result->Scalar<std::int32_t>("search/first_robot"), 1);
 }
 
 TEST(SimulatedWorlds, MissedContacts) {

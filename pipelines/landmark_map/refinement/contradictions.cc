@@ -122,7 +122,7 @@ void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
         "' fits nowhere into the first robot's map: its %.0f observations are %.1f nats likelier there "
         "than if every one were false; was it ever where the first robot was?",
         count, gain);
-    throw InputError("robot '" + robots[r] + text + kCausesOfErrors + HolesIn(log));
+    throw RobotsContradictError("robot '" + robots[r] + text + kCausesOfErrors + HolesIn(log));
   }
 }
 
@@ -143,7 +143,7 @@ void CheckRobotsAgree(const RoundSum& sum, const Blob& history, double places, s
       lost);
   const std::string seen = SeenByTwo(Read<kinds::Log>(log));
   const std::string causes = seen.empty() ? "was one of them somewhere else?" : seen + kCausesOfNamed;
-  throw InputError(text + causes + kCausesOfErrors + HolesIn(log));
+  throw RobotsContradictError(text + causes + kCausesOfErrors + HolesIn(log));
 }
 
 }  // namespace cairn::landmark_map

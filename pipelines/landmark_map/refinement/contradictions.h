@@ -28,10 +28,16 @@ std::vector<InTwoPlaces> LandmarksInTwoPlaces(const LayeredGrid& counts, const M
 std::vector<InTwoPlaces> StillInTwoPlaces(const std::vector<InTwoPlaces>& found,
                                           const std::vector<Landmark>& landmarks, const ModelFit* fit);
 
+// Robots that one map does not explain.
+class RobotsContradictError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 // Of robots that start anywhere, in their first round, under a map that is not theirs.
-// Throws InputError that names the robot where the map makes its observations no likelier than if every one
-// were false, but for kLeastGain nats an observation: it was somewhere else, and would be laid over the map
-// where it fits least badly.
+// Throws RobotsContradictError that names the robot where the map makes its observations no likelier than if
+// every one were false, but for kLeastGain nats an observation: it was somewhere else, and would be laid over
+// the map where it fits least badly.
 inline constexpr double kLeastGain = 0.25;
 void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
                           const std::vector<RobotSteps>& steps, const Blob& log);
@@ -39,7 +45,8 @@ void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
 // At the end. A robot that was somewhere else adds to the map what is not there, which the first robot's data
 // feel. EXPERIMENTS.md says why it is 0.29: robots of one place cost at most 0.27 nats an observation, one of
 // another place 0.31 or more in ten of eleven.
-// Throws InputError where they lost more than kMostLoss nats an observation against the first robot's own map
+// Throws RobotsContradictError where they lost more than kMostLoss nats an observation against the first
+// robot's own map
 // (`history`: of all rounds), and more than being told one of `places` costs.
 inline constexpr double kMostLoss = 0.29;
 void CheckRobotsAgree(const RoundSum& sum, const Blob& history, double places, std::size_t observations,

@@ -23,6 +23,7 @@ struct Options {
   bool beliefs = false;
   std::int64_t starts = 0;
   std::int64_t waves = 6;
+  std::int64_t first_robots = 0;
   std::string start = "origin";
   std::string model = "robust";
   std::string motion_error = "gaussian";
@@ -108,6 +109,13 @@ void VisitOptions(V& visit, Options& o) {
              "its own "
              "and refits without one of its landmarks, and, where few starts agree, with drifts further out"},
       o.waves);
+  visit(
+      Option{
+          "first_robots", "", 0, 1000,
+          "robots that are tried as the first, in whose map the others are placed, where landmarks seen at a "
+          "distance have no names and EM starts more than once: those that looked from most places; the "
+          "likelier map of all robots is kept; 0: two; 1: the log's first alone"},
+      o.first_robots);
   visit(Option{"start",
                "",
                0,

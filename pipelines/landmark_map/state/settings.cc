@@ -243,11 +243,17 @@ void CheckOptions(const Options& options, const Sensing& sensing) {
   }
 }
 
+// Of several robots whose landmarks have no names and are seen at a distance.
+bool FirstIsFoundOut(const kinds::Log& log, const Sensing& sensing) {
+  return log.robot.size() > 1 && sensing.ranged > 0 && log.landmarks.empty();
+}
+
 // A log, and what is read off it before anything is decided.
 struct Seen {
   kinds::Log log;
-  Odometry odometry;  // the first robot's
-  double extent_m = 0.0;
+  Odometry odometry;             // the first robot's
+  std::size_t may_be_first = 1;  // so many robots, from the log's first on
+  double extent_m = 0.0;         // of the widest of these
   Sensing sensing;
   double range_sd_m = 0.0, bearing_sd_rad = 0.0;
   double default_cell_m = 0.0;
@@ -260,13 +266,16 @@ Seen ReadSeen(const Blob& blob) {
   const kinds::Log& log = seen.log;
   if (log.robot.empty()) throw InputError("the log has no robots");
   seen.odometry = Integrate(log.robot[0].odometry, log.robots[0]);
-  seen.extent_m = Extent(seen.odometry);
   seen.sensing = LookAt(log);
   if (seen.sensing.observations == 0)
     throw InputError(log.robot[0].sensors.empty()
                          ? "the log has controls only: without observations there is no map"
                          : "the log has range scans and no observations of landmarks: evidence_map, "
                            "forward_map and local_map make maps of scans");
+  if (FirstIsFoundOut(log, seen.sensing)) seen.may_be_first = log.robot.size();
+  seen.extent_m = Extent(seen.odometry);
+  for (std::size_t r = 1; r < seen.may_be_first; ++r)
+    seen.extent_m = std::max(seen.extent_m, Extent(Integrate(log.robot[r].odometry, log.robots[r])));
   const double mean_range_m = seen.sensing.mean_range_m;
   seen.bearing_sd_rad = NoiseParameter(log.noise.bearing_rad, 0.02);
   seen.range_sd_m = NoiseParameter(log.noise.range_m, 0.03 * mean_range_m);
@@ -339,18 +348,24 @@ Settings ResolveWith(const Options& options, const Seen& seen, int starts) {
 // What a start should take: seconds of one core, for its E-steps on all data and on parts that grow to it,
 // and observations that it looks at.
 struct StartCost {
-  double seconds, observations;
+  double seconds = 0.0, observations = 0.0;
 };
 
+// The most that one of any robot that may be the first takes.
 StartCost CostOfStart(const Settings& settings, const Seen& seen) {
   constexpr double kOnAllData = 5.0;
   const double growing =
       settings.growth_start < 1.0 ? 1.0 / (1.0 - 1.0 / settings.growth_factor) : 1.0;  // a geometric series
-  const RobotSteps steps = MakeSteps(seen.log.robot[0], seen.log.robots[0], settings.steps, nullptr);
   const EStepModel model = settings.Model(nullptr);
-  const double e_step_s =
-      1e-9 * CellNanoseconds(steps, model, true) * WorkOfStep(steps, model) * steps.size();
-  return {e_step_s * (growing + kOnAllData), static_cast<double>(steps.observations.size())};
+  StartCost most;
+  for (std::size_t r = 0; r < seen.may_be_first; ++r) {
+    const RobotSteps steps = MakeSteps(seen.log.robot[r], seen.log.robots[r], settings.steps, nullptr);
+    const double e_step_s =
+        1e-9 * CellNanoseconds(steps, model, true) * WorkOfStep(steps, model) * steps.size();
+    most.seconds = std::max(most.seconds, e_step_s * (growing + kOnAllData));
+    most.observations = std::max(most.observations, static_cast<double>(steps.observations.size()));
+  }
+  return most;
 }
 
 // The same options on the grid that several starts are searched on: two and a half default cells are enough
