@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/evaluate/made_from.h"
+#include "datasets/common/made_from.h"
 #include "datasets/evaluate/maps/doors.h"
 #include "datasets/evaluate/track.h"
 #include "schema/kinds/provenance.h"
