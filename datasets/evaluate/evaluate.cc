@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "datasets/common/landmark_map_verdict.h"
+#include "datasets/common/made_from.h"
 #include "datasets/evaluate/landmarks.h"
-#include "datasets/evaluate/made_from.h"
 #include "datasets/evaluate/matching/align.h"
 #include "datasets/evaluate/matching/associations.h"
 #include "datasets/evaluate/track.h"

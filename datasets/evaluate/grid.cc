@@ -15,17 +15,35 @@ namespace {
 
 constexpr double kSamePosesM = 1e-4;  // poses this near to the true ones are in the truth's frame
 
-// The map's poses beside the true ones of the same times.
-std::vector<PointPair> PosePairs(const std::vector<ScoredSensor>& scans, const Blob& log) {
+// The scans of whose times the truth has poses, at these; and the positions of both, to be laid over each
+// other.
+struct TrueScans {
+  std::vector<ScoredSensor> scans;
   std::vector<PointPair> pairs;
+};
+
+TrueScans AtTruePoses(const std::vector<ScoredSensor>& scans, const Blob& log) {
+  TrueScans of_truth;
   for (const ScoredSensor& sensor : scans) {
     const Track truth = ReadTrack(log, "truth/robot/" + std::to_string(sensor.robot) + "/poses/");
+    std::vector<std::size_t> kept;
+    std::vector<Pose> poses;
     for (std::size_t i = 0; i < sensor.poses.size(); ++i) {
       const auto at = PoseAt(truth, sensor.time_s[i]);
-      if (at) pairs.push_back({{at->x_m, at->y_m}, {sensor.poses[i].x_m, sensor.poses[i].y_m}});
+      if (!at) continue;
+      kept.push_back(i);
+      poses.push_back(*at);
+      of_truth.pairs.push_back({{at->x_m, at->y_m}, {sensor.poses[i].x_m, sensor.poses[i].y_m}});
     }
+    if (!kept.empty()) of_truth.scans.push_back(sensor.At(kept, poses));
   }
-  return pairs;
+  return of_truth;
+}
+
+std::vector<ScoredSensor> Moved(std::vector<ScoredSensor> scans, const Similarity& by) {
+  for (ScoredSensor& sensor : scans)
+    for (Pose& pose : sensor.poses) pose = by(pose);
+  return scans;
 }
 
 struct DoorTruth {
@@ -49,6 +67,7 @@ std::vector<DoorTruth> ReadDoors(const Blob& log, const Similarity& to_map) {
 // The truth in the map's frame, and the map's scans.
 struct Ground {
   std::vector<ScoredSensor> scans;
+  bool by_own_path = false;
   Similarity to_map;
   std::optional<double> pose_rmse_m;
   std::optional<MapTruth> walls;
@@ -57,14 +76,19 @@ struct Ground {
 
 Ground GroundOf(const Blob& map, const Blob& log) {
   CheckMadeFrom(map, log);
-  Ground ground{
-      .scans = ReadScoredScans(map, log), .to_map = {}, .pose_rmse_m = {}, .walls = {}, .doors = {}};
-  const std::vector<PointPair> pairs = PosePairs(ground.scans, log);
+  Ground ground;
+  ground.scans = ReadScoredScans(map, log);
+  const TrueScans of_truth = AtTruePoses(ground.scans, log);
+  const std::vector<PointPair>& pairs = of_truth.pairs;
+  ground.by_own_path = pairs.empty();
   if (!pairs.empty() && RmseM(pairs, ground.to_map) > kSamePosesM) ground.to_map = FitRigid(pairs);
   if (!pairs.empty()) ground.pose_rmse_m = RmseM(pairs, ground.to_map);
   if (log.Has("truth/walls/x_m")) {
     const std::vector<Wall> walls = ReadSegments(log, "truth/walls/", ground.to_map);
-    ground.walls = TruthOfWalls(ReadOccupancy(map).box, walls, ground.scans);
+    // What was free and seen in the world does not hang on where the map takes its scans to be from: by those
+    // poses a map whose path lies in its walls would have nothing false.
+    ground.walls = TruthOfWalls(ReadOccupancy(map).box, walls,
+                                ground.by_own_path ? ground.scans : Moved(of_truth.scans, ground.to_map));
   }
   ground.doors = ReadDoors(log, ground.to_map);
   return ground;
@@ -103,17 +127,19 @@ GridEvaluation GridScore(const Blob& map, const std::optional<MapTruth>& truth,
   return evaluation;
 }
 
-void AddCells(const std::optional<CellScore>& cells, Scores* scores) {
+void AddCells(const std::optional<CellScore>& cells, bool by_own_path, Scores* scores) {
   if (!cells) {
     scores->Add("cells", {}, "unknown: the truth has no walls");
     return;
   }
-  scores->Add("cells.false_occupied", cells->false_occupied, fmt::format(" of {} free", cells->free));
+  const char* by = by_own_path ? ", by the map's own path: the truth has none" : "";
+  scores->Add("cells.false_occupied", cells->false_occupied, fmt::format(" of {} free{}", cells->free, by));
   scores->AddForPrograms("cells.free", cells->free);
   scores->Add("cells.missed_occupied", cells->missed_occupied,
-              fmt::format(" of {} due, {} of them held to be free", cells->due, cells->missed_free));
+              fmt::format(" of {} due, {} of them held to be free{}", cells->due, cells->missed_free, by));
   scores->AddForPrograms("cells.missed_free", cells->missed_free);
   scores->AddForPrograms("cells.due", cells->due);
+  scores->AddForPrograms("cells.by_own_path", by_own_path);
   scores->Add("cells.occupied_beyond_walls", cells->beyond_walls);
 }
 
@@ -157,9 +183,9 @@ void AddHeldOut(const std::optional<HeldOutScore>& score, Scores* scores) {
   scores->AddRows("heldout.sensors", std::move(sensors));
 }
 
-Scores ScoresOfLayer(const LayerScore& layer) {
+Scores ScoresOfLayer(const LayerScore& layer, bool by_own_path) {
   Scores scores;
-  AddCells(layer.cells, &scores);
+  AddCells(layer.cells, by_own_path, &scores);
   AddDoors(layer.doors, &scores);
   AddHeldOut(layer.held_out, &scores);
   return scores;
@@ -170,6 +196,7 @@ Scores ScoresOfLayer(const LayerScore& layer) {
 GridEvaluation EvaluateGrid(const Blob& map, const Blob& truth_log) {
   const Ground ground = GroundOf(map, truth_log);
   GridEvaluation evaluation = GridScore(map, ground.walls, ground.doors, ground.scans);
+  evaluation.by_own_path = ground.by_own_path;
   evaluation.to_map = ground.to_map;
   evaluation.pose_rmse_m = ground.pose_rmse_m;
   return evaluation;
@@ -198,9 +225,9 @@ GridEvaluation CompareGrids(const Blob& map, const Blob& reference) {
 }
 
 Scores MakeScores(const GridEvaluation& evaluation) {
-  Scores scores = ScoresOfLayer(evaluation.map);
+  Scores scores = ScoresOfLayer(evaluation.map, evaluation.by_own_path);
   if (evaluation.most_likely)
-    scores.AddGroup("most_likely", ScoresOfLayer(*evaluation.most_likely));
+    scores.AddGroup("most_likely", ScoresOfLayer(*evaluation.most_likely, evaluation.by_own_path));
   else
     scores.AddForPrograms("most_likely", {});
   scores.AddForPrograms("cell_m", evaluation.cell_m);

@@ -30,6 +30,8 @@ struct GridEvaluation {
   LayerScore map;                         // map/grid/probability
   std::optional<LayerScore> most_likely;  // map/grid/occupied, where the map has it
   double cell_m = 0;
+  // Which cells are free and which are due is by the poses that the map was made with: the truth has none.
+  bool by_own_path = false;
   Similarity to_map;  // from the truth's frame; the identity where the poses are the true ones
   std::optional<double> pose_rmse_m;  // of the map's scans, after that; none: no true poses
   std::optional<double> seconds;

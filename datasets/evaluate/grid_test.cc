@@ -99,6 +99,116 @@ TEST(EvaluateGrid, AMapInAnotherFrameIsScoredAllTheSame) {
   EXPECT_TRUE(evaluation.map.doors[0].open);
 }
 
+// A corridor round a block of 8 by 8 m, along whose middle a robot drives; its outer walls 20 m long. Four
+// beams, one to each side.
+constexpr double kMiddle_m = 11.5;
+const std::vector<Point> kCorners{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+
+Blob RoundTheBlock() {
+  std::vector<double> time, x, y, heading, wall_x, wall_y;
+  for (std::size_t side = 0; side < 4; ++side) {
+    const Point from = kCorners[side], to = kCorners[(side + 1) % 4];
+    for (int i = 0; i < 14; ++i) {
+      time.push_back(static_cast<double>(time.size()));
+      x.push_back(kMiddle_m + 7 * from.x_m + (to.x_m - from.x_m) / 2 * i);
+      y.push_back(kMiddle_m + 7 * from.y_m + (to.y_m - from.y_m) / 2 * i);
+      heading.push_back(0);
+    }
+    for (const double half_m : {10.0, 4.0}) {
+      for (const Point end : {from, to}) {
+        wall_x.push_back(kMiddle_m + half_m * end.x_m);
+        wall_y.push_back(kMiddle_m + half_m * end.y_m);
+      }
+    }
+  }
+  Blob log;
+  log.Put("robots", Array::Texts({"Rosa"}));
+  const auto scans = static_cast<std::int64_t>(time.size());
+  log.PutVector("robot/0/laser/time_s", time);
+  log.Put("robot/0/laser/range_m", Array::Of<double>({scans, 4}, std::vector<double>(time.size() * 4, 3)));
+  log.PutVector<double>("robot/0/laser/beam_x_m", {0, 0, 0, 0});
+  log.PutVector<double>("robot/0/laser/beam_y_m", {0, 0, 0, 0});
+  log.PutVector<double>("robot/0/laser/beam_heading_rad", {0, M_PI / 2, M_PI, -M_PI / 2});
+  log.PutScalar<double>("robot/0/laser/opening_rad", 0);
+  log.PutScalar<double>("robot/0/laser/max_range_m", 30);
+  log.Put("truth/walls/x_m", Array::Of<double>({8, 2}, wall_x));
+  log.Put("truth/walls/y_m", Array::Of<double>({8, 2}, wall_y));
+  const std::string poses = "truth/robot/0/poses/";
+  log.PutVector(poses + "time_s", time);
+  log.PutVector(poses + "x_m", x);
+  log.PutVector(poses + "y_m", y);
+  log.PutVector(poses + "heading_rad", heading);
+  return log;
+}
+
+// With the block, and outer walls so far from the middle, made with the true path shrunk to `scale` times it.
+Blob MapOfTheBlock(const Blob& log, int outer_cells, double scale) {
+  std::vector<std::string> drawn(23, std::string(23, ' '));
+  for (const int half : {outer_cells, 4}) {
+    for (int i = -half; i <= half; ++i) {
+      const auto at = static_cast<std::size_t>(11 + i), low = static_cast<std::size_t>(11 - half),
+                 high = static_cast<std::size_t>(11 + half);
+      drawn[low][at] = drawn[high][at] = drawn[at][low] = drawn[at][high] = '#';
+    }
+  }
+  drawn[11][18] = '#';  // in the corridor
+  Blob map = DrawnMap(drawn);
+  map.Put("robot/0/laser/time_s", log.at("robot/0/laser/time_s"));
+  for (const char* name : {"x_m", "y_m"}) {
+    std::vector<double> values;
+    for (const double value : log.Get<double>(std::string("truth/robot/0/poses/") + name))
+      values.push_back(kMiddle_m + scale * (value - kMiddle_m));
+    map.PutVector(std::string("robot/0/laser/") + name, values);
+  }
+  map.Put("robot/0/laser/heading_rad", log.at("truth/robot/0/poses/heading_rad"));
+  map.PutVector("robot/0/laser/held_out",
+                std::vector<std::uint8_t>(log.at("robot/0/laser/time_s").size(), 0));
+  return map;
+}
+
+// The path of the worse map lies in the block, four metres off: from there nothing of the corridor, where its
+// outer walls stand, is to be reached or seen.
+TEST(EvaluateGrid, WhatIsFreeAndWhatWasSeenIsByTheTruePathWhereverTheMapHasIt) {
+  const Blob log = RoundTheBlock();
+  const GridEvaluation right = EvaluateGrid(MapOfTheBlock(log, 10, 1), log),
+                       wrong = EvaluateGrid(MapOfTheBlock(log, 7, 3.0 / 7), log);
+  EXPECT_GT(*wrong.pose_rmse_m, 4);
+  EXPECT_EQ(right.map.cells->free, 19 * 19 - 9 * 9);
+  EXPECT_EQ(wrong.map.cells->free, right.map.cells->free);
+  EXPECT_EQ(wrong.map.cells->due, right.map.cells->due);
+  EXPECT_EQ(right.map.cells->false_occupied, 1);
+  EXPECT_EQ(wrong.map.cells->false_occupied, 4 * 14);
+  EXPECT_EQ(right.map.cells->missed_occupied, 0);
+  EXPECT_GT(wrong.map.cells->missed_occupied, 50);
+  EXPECT_FALSE(right.by_own_path);
+}
+
+TEST(EvaluateGrid, ScansOfWhoseTimesTheTruthHasNoPoseTellOfNothing) {
+  Blob log = RoundTheBlock();
+  const Blob map = MapOfTheBlock(log, 10, 1);
+  const std::int64_t due = EvaluateGrid(map, log).map.cells->due;
+  for (const char* name : {"time_s", "x_m", "y_m", "heading_rad"}) {
+    const std::string full = std::string("truth/robot/0/poses/") + name;
+    log.Put(full, log.at(full).Rows(0, 14));
+  }
+  const GridEvaluation part = EvaluateGrid(map, log);
+  EXPECT_LT(part.map.cells->due, due / 2);
+  EXPECT_GT(part.map.cells->due, 14);
+  EXPECT_EQ(part.map.cells->free, 19 * 19 - 9 * 9);
+}
+
+TEST(EvaluateGrid, WhereTheTruthHasNoPathItIsTheMapsOwnAndTheScoreSaysSo) {
+  const Blob log = RoundTheBlock();
+  const Blob map = MapOfTheBlock(log, 10, 1);
+  const Scores with = MakeScores(EvaluateGrid(map, log)),
+               without = MakeScores(EvaluateGrid(map, log.Without("truth/robot/")));
+  EXPECT_EQ(nlohmann::json::parse(with.ToJson())["cells"]["by_own_path"], false);
+  EXPECT_EQ(nlohmann::json::parse(without.ToJson())["cells"]["by_own_path"], true);
+  EXPECT_EQ(nlohmann::json::parse(without.ToJson())["cells"]["false_occupied"], 1);
+  ExpectContains(with.ToText(), "1 of 280 free\n");
+  ExpectContains(without.ToText(), "1 of 280 free, by the map's own path: the truth has none\n");
+}
+
 // DrawnMap's and PerfectMap's cells are sure to 0.1 and 0.9: log-odds of 2.2 either way.
 TEST(ScoreByThreshold, FindsMoreWallsAndMoreFalseCellsTheLowerItIs) {
   const Blob log = Hallway(false), map = PerfectMap(log);

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <span>
 
-#include "datasets/evaluate/made_from.h"
+#include "datasets/common/made_from.h"
 #include "datasets/evaluate/relations.h"
 #include "datasets/evaluate/track.h"
 #include "schema/kinds/local_map.h"

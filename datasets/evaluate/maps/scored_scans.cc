@@ -52,6 +52,27 @@ Pose ScoredSensor::BeamPose(std::size_t scan, std::size_t beam) const {
           heading + mount.heading_rad};
 }
 
+ScoredSensor ScoredSensor::At(const std::vector<std::size_t>& scans, const std::vector<Pose>& at) const {
+  ScoredSensor some{.name = name,
+                    .robot = robot,
+                    .opening_rad = opening_rad,
+                    .max_range_m = max_range_m,
+                    .beams = beams,
+                    .time_s = {},
+                    .turret_rad = {},
+                    .poses = at,
+                    .held_out = {},
+                    .range_m = {}};
+  for (const std::size_t scan : scans) {
+    some.time_s.push_back(time_s[scan]);
+    if (!turret_rad.empty()) some.turret_rad.push_back(turret_rad[scan]);
+    some.held_out.push_back(held_out[scan]);
+    for (std::size_t beam = 0; beam < beams.size(); ++beam)
+      some.range_m.push_back(range_m[scan * beams.size() + beam]);
+  }
+  return some;
+}
+
 std::vector<ScoredSensor> ReadScoredScans(const Blob& map, const Blob& log) {
   std::vector<ScoredSensor> sensors;
   const auto of = Read<kinds::GridMap>(map);

@@ -23,6 +23,8 @@ struct ScoredSensor {
   std::vector<double> range_m;         // [scans][beams]; NaN: no echo
 
   Pose BeamPose(std::size_t scan, std::size_t beam) const;
+  // These scans alone, at these poses.
+  ScoredSensor At(const std::vector<std::size_t>& scans, const std::vector<Pose>& poses) const;
 };
 
 // The sensors that `map` (a grid_map) says it was made of: its poses, the log's readings of the same times.

@@ -21,8 +21,9 @@ struct MapTruth {
   std::int64_t offset_columns = 0, offset_rows = 0;  // of the map's cell (0, 0) in the box
 };
 
-// Walls of a log's truth, `to_map` moving its frame into the map's. A wall's cell is due where a beam of
-// `scans` has it in its cone, at most a cell's edge behind the nearest point of any wall in it.
+// Walls of a log's truth, in the map's frame, and where the scans were truly taken. A wall's cell is due
+// where a beam of `scans` has it in its cone, at most a cell's edge behind the nearest point of any wall in
+// it.
 MapTruth TruthOfWalls(const GridBox& map, const std::vector<Wall>& walls,
                       const std::vector<ScoredSensor>& scans);
 
