@@ -17,12 +17,11 @@ using Written = Result<std::vector<std::string>>;
 // most likely ones where the file has them, else the means; of a log, the true ones.
 Written ExportTum(const Blob& blob, const std::string& folder, bool replace = true);
 
-// graph.g2o: VERTEX_SE2 for each pose (as for tum), VERTEX_XY for each landmark, EDGE_SE2 between successive
-// poses. A result keeps no covariance between poses, so an edge's information is the inverse of the mean of
-// its two poses' covariances, turned into the first pose's frame: cautious. With the log at hand (else null)
-// an EDGE_SE2_XY for each observation that is associated with a landmark, from the latest pose not after it;
-// its information is from the log's nominal noise (range 0.1 m, bearing 0.02 rad, contact detection 0.5 m
-// where it has none).
+// graph.g2o: VERTEX_SE2 for each pose (as for tum), VERTEX_XY for each landmark. With the log at hand (else
+// null) the edges are what the result was made of: odometry from each pose to the next one, and observations of
+// landmarks or loops (landmark_edges.h, local_edges.h), so that a solver that starts from the vertices stays
+// there. Without it an EDGE_SE2 from each pose to the next one is the result's own motion, as sure as the mean
+// of its two poses' covariances, turned into the first pose's frame: a picture.
 Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder, bool replace = true);
 
 // map.pgm and map.yaml, as map_server of ROS reads them. Trinary: occupied 0, free 254, unknown 205, by

@@ -131,14 +131,42 @@ TEST(Export, WhatIsNoNumberIsRefusedByName) {
   }
 }
 
-TEST(ExportG2o, WritesVerticesAndEdgesThatAgree) {
+constexpr double kSlip_m = 1e-4;  // what odometry errs by whatever the motion
+
+// In odometry's metre.
+Blob ScaledResult() {
+  Blob result = SmallResult();
+  result.PutScalar<double>("robot/0/distance_scale", 1);
+  result.PutScalar<double>("robot/1/distance_scale", 1);
+  return result;
+}
+
+TEST(ExportG2o, WritesVerticesAndWhatTheLogSaysOfThem) {
   const TestFolder folder;
   const Blob log = SmallLog();
-  const auto lines = LinesOf(ExportG2o(SmallResult(), &log, folder / "").value().at(0));
+  const auto lines = LinesOf(ExportG2o(ScaledResult(), &log, folder / "").value().at(0));
   ASSERT_EQ(lines.size(), 6U + 2 + 1 + 4 + 2);
   ExpectNear(Numbers(lines[1], "VERTEX_SE2 "), {1, 1, 0, M_PI / 2});
   EXPECT_EQ(lines[6], "VERTEX_XY 6 2 0");
   EXPECT_EQ(lines[8], "FIX 0");
+  // First the turn of 0.1, then 1 m: whatever the vertices say.
+  const auto motion = Numbers(lines[9], "EDGE_SE2 ");
+  ExpectNear({motion.begin(), motion.begin() + 5}, {0, 1, std::cos(0.1), std::sin(0.1), 0.1});
+  // Along the way it errs by 2% of its metre's root alone, and by what a turn shifts it.
+  EXPECT_NEAR(motion[5], 1 / (0.02 * 0.02 + 0.005 * 0.005 * 0.1 + kSlip_m * kSlip_m), 1e-6);
+  // Range 2 m (sd 0.1) at 0.5 rad (sd 0.05, so 0.1 m across): a round ellipse. The landmark lies at (2,
+  // 0), 9.9 standard deviations off, of which Cauchy's tails make a weight.
+  const double squares = 8 * (1 - std::cos(0.5)) / 0.01, information = 100 / (1 + squares / 9);
+  ExpectNear(Numbers(lines[13], "EDGE_SE2_XY "),
+             {0, 6, 2 * std::cos(0.5), 2 * std::sin(0.5), information, 0, information});
+  // A contact detection where the vertex is the landmark's place (sd 0.3).
+  ExpectNear(Numbers(lines[14], "EDGE_SE2_XY "), {2, 7, 0, 0, 1 / 0.09, 0, 1 / 0.09});
+}
+
+TEST(ExportG2o, WithoutTheLogEdgesAreTheResultsOwnMotions) {
+  const TestFolder folder;
+  const auto lines = LinesOf(ExportG2o(SmallResult(), nullptr, folder / "").value().at(0));
+  ASSERT_EQ(lines.size(), 6U + 2 + 1 + 4);
   // Mean of 0 and 0.04, plus the least variance.
   const double information = 1 / (0.02 + 1e-6);
   ExpectNear(Numbers(lines[9], "EDGE_SE2 "),
@@ -146,34 +174,63 @@ TEST(ExportG2o, WritesVerticesAndEdgesThatAgree) {
   // From (1, 0), heading up, to (1, 2): 2 m ahead.
   const auto ahead = Numbers(lines[10], "EDGE_SE2 ");
   ExpectNear({ahead.begin(), ahead.begin() + 5}, {1, 2, 2, 0, 3 - M_PI / 2});
-  // Range 2 m (sd 0.1) at 0.5 rad (sd 0.05, so 0.1 m across): a round ellipse.
-  ExpectNear(Numbers(lines[11], "EDGE_SE2_XY "), {0, 6, 2 * std::cos(0.5), 2 * std::sin(0.5), 100, 0, 100});
-  ExpectNear(Numbers(lines[12], "EDGE_SE2_XY "), {2, 7, 0, 0, 4, 0, 4});
 }
 
-// Half-way between the first two vertices, (0, 0) heading along x and (1, 0) heading up.
-TEST(ExportG2o, AnObservationBetweenTwoVerticesIsTakenToTheOneBefore) {
+TEST(ExportG2o, TakesOffWhatTheResultFoundThatOdometryErrsBy) {
+  const TestFolder folder;
+  const Blob log = SmallLog();
+  Blob result = ScaledResult();
+  result.PutScalar<double>("robot/0/heading_drift_rad_per_m", 0.2);
+  result.PutScalar<double>("robot/0/distance_scale", 1.5);
+  result.PutScalar<double>("robot/0/turn_scale", 3);
+  result.PutScalar<double>("robot/0/range_offset_m", 0.5);
+  const auto lines = LinesOf(ExportG2o(result, &log, folder / "").value().at(0));
+  // It turns by 0.3, less half of the drift, goes 1.5 m, and turns by the other half.
+  const auto motion = Numbers(lines[9], "EDGE_SE2 ");
+  ExpectNear({motion.begin(), motion.begin() + 5}, {0, 1, 1.5 * std::cos(0.2), 1.5 * std::sin(0.2), 0.1});
+  const auto others = Numbers(lines[11], "EDGE_SE2 ");  // nothing was found of the other robot
+  ExpectNear({others.begin(), others.begin() + 5}, {3, 4, std::cos(0.1), std::sin(0.1), 0.1});
+  const auto seen = Numbers(lines[13], "EDGE_SE2_XY ");
+  ExpectNear({seen.begin() + 2, seen.begin() + 4}, {1.5 * std::cos(0.5), 1.5 * std::sin(0.5)});
+}
+
+// Of the turn on the spot and the half metre before it, an observation in the middle has the half metre.
+TEST(ExportG2o, AnObservationBetweenTwoVerticesIsTakenToTheOneBeforeByOdometry) {
   const TestFolder folder;
   Blob log = SmallLog();
-  const Blob result = SmallResult();
-  const auto time = result.Get<double>("robot/0/poses/time_s");
-  const auto seen = log.Get<double>("robot/0/observations/time_s");
-  std::vector<double> moved(seen.begin(), seen.end());
-  moved[0] = (time[0] + time[1]) / 2;
-  log.PutVector("robot/0/observations/time_s", moved);
+  log.PutVector<double>("robot/0/odometry/time_s", {1, 2, 2, 3});
+  log.PutVector<double>("robot/0/odometry/turn_rad", {0, 0, M_PI / 2, 0});
+  log.PutVector<double>("robot/0/odometry/forward_m", {0, 1, 0, 2});
+  log.PutVector<double>("robot/0/observations/time_s", {1.5, 2.5, 3});
+  const auto lines = LinesOf(ExportG2o(ScaledResult(), &log, folder / "").value().at(0));
+  const auto seen = Numbers(lines[13], "EDGE_SE2_XY ");
+  ExpectNear({seen.begin(), seen.begin() + 4}, {0, 6, 0.5 + 2 * std::cos(0.5), 2 * std::sin(0.5)}, 1e-9);
+}
+
+TEST(ExportG2o, ObservationsThatTheMapWasMadeWithoutAreLeftOut) {
+  const TestFolder folder;
+  const Blob log = SmallLog();
+  Blob result = ScaledResult();
+  result.PutVector<std::int32_t>("robot/0/observations/map_landmark", {0, 0, 1});
+  result.PutVector<double>("robot/0/observations/probability", {0, 0.3, 0.3});
   const auto lines = LinesOf(ExportG2o(result, &log, folder / "").value().at(0));
-  const double heading = 0.5 + M_PI / 4;
-  ExpectNear(Numbers(lines[11], "EDGE_SE2_XY "),
-             {0, 6, 0.5 + 2 * std::cos(heading), 2 * std::sin(heading), 100, 0, 100}, 1e-9);
+  // The second one is named, so it counts however likely it is; the third one is rather of nothing.
+  ASSERT_EQ(lines.size(), 6U + 2 + 1 + 4 + 1);
+  const auto seen = Numbers(lines[13], "EDGE_SE2_XY ");
+  EXPECT_EQ(seen[0], 1);
+  EXPECT_EQ(seen[1], 6);
 }
 
 TEST(ExportG2o, ALogOfAnotherRunIsRefused) {
   const TestFolder folder;
   Blob log = SmallLog();
+  Blob result = SmallResult();
+  result.Put("log_hash", Array::Text(log.ContentHash().Hex()));
+  EXPECT_TRUE(ExportG2o(result, &log, folder / "").ok());
   log.PutVector<double>("robot/0/observations/time_s", {1});
+  ExpectContains(InputErrorOf([&] { (void)ExportG2o(result, &log, folder / ""); }), "made from another log");
   ExpectContains(InputErrorOf([&] { (void)ExportG2o(SmallResult(), &log, folder / ""); }),
                  "'robot/0/observations/' has 1 rows in the log, 3 in the result");
-  EXPECT_EQ(LinesOf(ExportG2o(SmallResult(), nullptr, folder / "").value().at(0)).size(), 6U + 2 + 1 + 4);
 }
 
 TEST(ExportRos, WritesAMapThatMapServerReads) {

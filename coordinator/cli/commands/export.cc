@@ -89,7 +89,10 @@ void AddFormat(Command parent, Invocation& call, const char* format, const char*
         .ShowDefault();
   }
   if (options->format == "g2o") {
-    command.Add("--log", options->log, "The log that the result was made from: adds its observations");
+    command.Add(
+        "--log", options->log,
+        "The log that the result was made from: edges are its odometry and observations, or loops, at "
+        "which a solver stays. Without it they are the result's own motions, to look at");
   }
 }
 

@@ -32,6 +32,7 @@ class RefinedPath {
   // Between two nodes the error is that of a bridge: it grows with the way from either.
   Pose At(double time_s) const;
   const SystematicErrors& errors() const { return errors_; }
+  const EdgeWidths& widths() const { return widths_; }
 
  private:
   Odometry odometry_;
