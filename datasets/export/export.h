@@ -18,10 +18,10 @@ using Written = Result<std::vector<std::string>>;
 Written ExportTum(const Blob& blob, const std::string& folder, bool replace = true);
 
 // graph.g2o: VERTEX_SE2 for each pose (as for tum), VERTEX_XY for each landmark. With the log at hand (else
-// null) the edges are what the result was made of: odometry from each pose to the next one, and observations of
-// landmarks or loops (landmark_edges.h, local_edges.h), so that a solver that starts from the vertices stays
-// there. Without it an EDGE_SE2 from each pose to the next one is the result's own motion, as sure as the mean
-// of its two poses' covariances, turned into the first pose's frame: a picture.
+// null) the edges are what the result was made of: odometry from each pose to the next one, and observations
+// of landmarks or loops (landmark_edges.h, local_edges.h), so that a solver that starts from the vertices
+// stays there. Without it an EDGE_SE2 from each pose to the next one is the result's own motion, as sure as
+// the mean of its two poses' covariances, turned into the first pose's frame: a picture.
 Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder, bool replace = true);
 
 // map.pgm and map.yaml, as map_server of ROS reads them. Trinary: occupied 0, free 254, unknown 205, by

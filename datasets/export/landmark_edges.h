@@ -12,7 +12,8 @@
 namespace cairn::datasets {
 
 // Of paths whose poses are vertices one after the other, from 0 on, landmarks behind them:
-// - from each pose to its robot's next one, the log's odometry without the errors that the result found of all
+// - from each pose to its robot's next one, the log's odometry without the errors that the result found of
+// all
 //   of it (where it found no scale, in the path's metre), and with the noise that it found or the log states;
 // - from a pose to the landmark of each observation that the map was made of. An observation between two
 // poses
