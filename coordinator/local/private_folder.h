@@ -12,7 +12,8 @@ namespace cairn::coordinator {
 class PrivateFolder {
  public:
   // Also removes those that killed processes of this user have left: each is locked while its process lives,
-  // wherever that runs (a container has process ids of its own).
+  // wherever that runs (a container has process ids of its own), and holds a file that says what it is. One
+  // in which anybody else has put something stays.
   static Result<PrivateFolder> Make();
   PrivateFolder(PrivateFolder&& other) noexcept
       : path_(std::exchange(other.path_, {})), lock_(std::exchange(other.lock_, -1)) {}

@@ -90,5 +90,34 @@ TEST_F(PrivateFolderTest, OtherFoldersStayAndLinksAreNotFollowed) {
   EXPECT_TRUE(fs::exists(temp_.path() / "elsewhere"));
 }
 
+// A user's own folder may have any name, and hold a file of any.
+TEST_F(PrivateFolderTest, AFolderOfTheUsersThatHasSuchANameStays) {
+  for (const char* name : {"cairn-run-notes", "cairn-run-12-abcdef", "cairn-run-12-abcdeg"}) {
+    fs::create_directories(temp_.path() / name / "plan");
+    fs::permissions(temp_.path() / name, fs::perms::owner_all);
+    std::ofstream(temp_.path() / name / "plan" / "thesis.txt") << "mine";
+  }
+  std::ofstream(temp_.path() / "cairn-run-12-abcdeg" / ".cairn-run") << "mine too";
+  ASSERT_TRUE(PrivateFolder::Make().ok());
+  for (const char* name : {"cairn-run-notes", "cairn-run-12-abcdef", "cairn-run-12-abcdeg"})
+    EXPECT_TRUE(fs::exists(temp_.path() / name / "plan" / "thesis.txt")) << name;
+}
+
+TEST_F(PrivateFolderTest, WhatSomebodyPutIntoOneOrMadeOfOneStays) {
+  const fs::path left = MakeElsewhere();
+  KillIt();
+  const fs::path renamed = temp_.path() / "cairn-run-12-abcdef";
+  fs::copy(left, renamed, fs::copy_options::recursive);
+  fs::permissions(renamed, fs::perms::owner_all);
+  std::ofstream(left / "thesis.txt") << "mine";
+  ASSERT_TRUE(PrivateFolder::Make().ok());
+  EXPECT_TRUE(fs::exists(left / "thesis.txt"));
+  EXPECT_TRUE(fs::exists(left / "hub"));
+  EXPECT_TRUE(fs::exists(renamed / "hub"));
+  fs::remove(left / "thesis.txt");
+  ASSERT_TRUE(PrivateFolder::Make().ok());
+  EXPECT_FALSE(fs::exists(left)) << "as soon as it is gone";
+}
+
 }  // namespace
 }  // namespace cairn::coordinator
