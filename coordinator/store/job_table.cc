@@ -1,10 +1,12 @@
 #include "coordinator/store/job_table.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <utility>
 
 #include "coordinator/store/sqlite.h"
+#include "schema/text.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -29,6 +31,45 @@ constexpr const char* kVersion4 = R"sql(
   DROP TABLE jobs;
 )sql";
 
+// The tables of all versions, as SQLite keeps the statements that made them.
+constexpr std::array<const char*, 4> kTables = {
+    "CREATE TABLE jobs ( id TEXT PRIMARY KEY, name TEXT NOT NULL, state TEXT NOT NULL, reason TEXT NOT NULL, "
+    "stage INTEGER NOT NULL, stages INTEGER NOT NULL, round INTEGER NOT NULL, note TEXT NOT NULL, "
+    "input_error INTEGER NOT NULL, seconds REAL NOT NULL, "
+    "submitted_utc TEXT NOT NULL, updated_utc TEXT NOT NULL)",
+    "CREATE TABLE last_removed (one INTEGER PRIMARY KEY CHECK (one = 1), number INTEGER NOT NULL)",
+    "CREATE TABLE \"last_number\" (one INTEGER PRIMARY KEY CHECK (one = 1), number INTEGER NOT NULL)",
+    "CREATE TABLE log (job TEXT NOT NULL, number INTEGER NOT NULL, utc TEXT NOT NULL, level TEXT NOT NULL, "
+    "text TEXT NOT NULL, PRIMARY KEY (job, number)) WITHOUT ROWID"};
+
+std::string WithSingleSpaces(const std::string& sql) {
+  std::string text;
+  for (const char c : sql) {
+    const bool space = c == ' ' || c == '\n';
+    if (!space || !text.ends_with(' ')) text += space ? ' ' : c;
+  }
+  return text;
+}
+
+// Whoever hands on a store must not choose what is computed when it is served: a trigger, say, or a view that
+// never ends. Asked before anything else of what the file holds.
+Status CheckTables(sqlite3* db) {
+  Result<sqlite::Statement> prepared =
+      sqlite::Prepare(db, "SELECT name, coalesce(sql, '') FROM sqlite_master;");
+  if (!prepared.ok()) return prepared.status();
+  int step = SQLITE_OK;
+  while ((step = sqlite3_step(prepared.value().get())) == SQLITE_ROW) {
+    const std::string name = sqlite::Text(prepared.value().get(), 0);
+    const std::string sql = WithSingleSpaces(sqlite::Text(prepared.value().get(), 1));
+    const bool ours =
+        name == "sqlite_autoindex_jobs_1" ? sql.empty() : std::ranges::find(kTables, sql) != kTables.end();
+    if (!ours)
+      return {Code::kCorrupt, std::string(sqlite3_db_filename(db, nullptr)) + ": it holds '" +
+                                  Escaped(CutTo(name, 100)) + "', which is none of a job table's"};
+  }
+  return step == SQLITE_DONE ? Status::Ok() : sqlite::Failure(db);
+}
+
 }  // namespace
 
 std::uint64_t NumberOfJob(const std::string& id) {
@@ -46,6 +87,7 @@ Result<JobTable> JobTable::Open(const std::filesystem::path& path) {
   table.db_.reset(db);
   if (opened != SQLITE_OK && db != nullptr) return sqlite::Failure(db);
   if (opened != SQLITE_OK) return Status(Code::kIo, path.string() + ": " + sqlite3_errstr(opened));
+  if (Status status = sqlite::Harden(db); !status.ok()) return status;
   if (Status status = table.MakeOrUpgrade(); !status.ok()) return status;
   // A file without it is not ours.
   const Result<std::int64_t> last = sqlite::Number(db, "SELECT number FROM last_number;");
@@ -62,7 +104,8 @@ Status JobTable::MakeOrUpgrade() const {
     return {Code::kVersion, std::string(sqlite3_db_filename(db_.get(), nullptr)) +
                                 ": a job table of version " + std::to_string(version.value()) +
                                 ", of a newer Cairn; this one knows version " + std::to_string(kVersion)};
-  Status status = Execute(kOpen);
+  Status status = CheckTables(db_.get());
+  if (status.ok()) status = Execute(kOpen);
   if (!status.ok() || version.value() == kVersion) return status;
   status = Execute("BEGIN IMMEDIATE;");
   if (status.ok() && version.value() < 2) status = Execute(kVersion1);

@@ -10,6 +10,7 @@
 #include "coordinator/core/job.h"
 #include "coordinator/store/checkpoint_file.h"
 #include "coordinator/store/result_file.h"
+#include "coordinator/store/sqlite_files.h"
 #include "schema/store/atomic_file.h"
 
 namespace cairn::coordinator {
@@ -173,6 +174,11 @@ std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, Inp
 }
 
 Result<JobTable> OpenJobTable(const StoreFolder& folder, const LogSink& log) {
+  const Result<std::vector<fs::path>> unsafe = sqlite::QuarantineUnsafe(folder.JobTable());
+  if (!unsafe.ok()) return unsafe.status();
+  for (const fs::path& file : unsafe.value())
+    log(Severity::kWarning,
+        "quarantined " + file.string() + ": the job table never leaves such a file there");
   Result<JobTable> table = JobTable::Open(folder.JobTable());
   if (table.ok() || table.status().code() != Code::kCorrupt) return table;
   log(Severity::kWarning, "made the job table anew, without the logs of jobs: " + table.status().message());

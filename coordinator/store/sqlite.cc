@@ -1,10 +1,21 @@
 #include "coordinator/store/sqlite.h"
 
 #include <cerrno>
+#include <utility>
 
 #include "schema/store/atomic_file.h"
 
 namespace cairn::coordinator::sqlite {
+
+Status Harden(sqlite3* db) {
+  for (const auto& [option, on] : {std::pair{SQLITE_DBCONFIG_DEFENSIVE, 1},
+                                   {SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0},
+                                   {SQLITE_DBCONFIG_ENABLE_TRIGGER, 0},
+                                   {SQLITE_DBCONFIG_ENABLE_VIEW, 0}})
+    if (sqlite3_db_config(db, option, on, nullptr) != SQLITE_OK)
+      return {Code::kIo, "this SQLite is too old: it cannot be told to follow nothing that a file says"};
+  return Status::Ok();
+}
 
 Status Failure(sqlite3* db) {
   const int code = sqlite3_errcode(db) & 0xff;

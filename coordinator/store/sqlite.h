@@ -16,6 +16,8 @@ struct Finalize {
 };
 using Statement = std::unique_ptr<sqlite3_stmt, Finalize>;
 
+// What the file may say is not followed: no triggers, no views, no functions but harmless ones.
+Status Harden(sqlite3* db);
 // Of the last call: kCorrupt, kNoSpace or kIo, with the file's name.
 Status Failure(sqlite3* db);
 Result<Statement> Prepare(sqlite3* db, const char* sql);
