@@ -314,6 +314,38 @@ TEST(ServerRequests, ADeletionThatWasCutOffIsFinishedByTheNextStart) {
   EXPECT_FALSE(std::filesystem::exists(fixture.temp.path() / "results/a"));
 }
 
+// A service's results may lie on another disk; whoever hands on a store may say that they lie anywhere.
+TEST(ServerRequests, BehindALinkADeletionRemovesWhatTheJobPublishedAndNothingElse) {
+  namespace fs = std::filesystem;
+  ServerFixture fixture;
+  const fs::path results = fixture.temp.path() / "results", home = fixture.temp.path() / "home";
+  fs::create_directories(home / "thesis");
+  fs::create_directory_symlink(home, results);
+  std::ofstream(home / "thesis" / "text.txt") << "mine";
+  fixture.transport.ComeWorker("w");
+  fixture.Submit("a");
+  fixture.Submit("b");
+  fixture.Until([&] { return fixture.State("a") == "done" && fixture.State("b") == "done"; });
+  ASSERT_TRUE(fs::exists(home / "a" / "stage0.h5"));
+  proto::Job other = fixture.MakeJob();
+  other.set_seed(7);
+  fixture.server->Submit("c", other, {TextBlob("the log")});
+  fixture.Until([&] { return fixture.State("c") == "done"; });
+  fs::copy_file(home / "c" / "stage0.h5", home / "thesis" / "stage0.h5");
+  std::ofstream(home / "b" / "notes.txt") << "mine";
+  for (const char* job : {"a", "b"}) EXPECT_EQ(fixture.Ask(Query(job, "delete")).jobs(0).state(), "deleted");
+  EXPECT_FALSE(fs::exists(home / "a"));
+  EXPECT_FALSE(fs::exists(home / "b" / "stage0.h5"));
+  EXPECT_TRUE(fs::exists(home / "b" / "notes.txt"));
+  fixture.server.reset();
+  fs::create_directory(fixture.folder->Checkpoints() / "thesis.deleted");
+  fs::copy(fixture.folder->Checkpoints() / "c", fixture.folder->Checkpoints() / "thesis.deleted");
+  fixture.Start();
+  EXPECT_TRUE(fs::exists(home / "thesis" / "text.txt"));
+  EXPECT_TRUE(fs::exists(home / "thesis" / "stage0.h5")) << "of the job c";
+  EXPECT_FALSE(fs::exists(fixture.folder->Checkpoints() / "thesis.deleted"));
+}
+
 TEST(ServerRequests, EveryRequestHasOneRightThatItNeeds) {
   const auto* body = wire::Envelope::descriptor()->FindOneofByName("body");
   std::set<std::string> without;

@@ -11,6 +11,7 @@
 #include <charconv>
 #include <utility>
 
+#include "coordinator/store/forget.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/checksum_trailer.h"
 #include "schema/store/regular_file.h"
@@ -260,7 +261,10 @@ Status StoreFolder::Forget(const std::string& job, const fs::path& results) cons
       return status;
     }
   }
-  if (!results.empty()) fs::remove_all(results, error);
+  if (IsALink(results.parent_path()))
+    RemovePublished(results, job, gone);
+  else if (!results.empty())
+    fs::remove_all(results, error);
   if (!error) fs::remove_all(gone, error);
   return Status::Ok();
 }

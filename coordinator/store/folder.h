@@ -69,8 +69,9 @@ class StoreFolder {
   // Numbers of a job's checkpoint files, ascending.
   std::vector<std::uint64_t> CheckpointNumbers(const std::string& job) const;
   std::vector<std::string> JobsWithCheckpoints() const;  // sorted
-  // Removes a job's checkpoints and its folder of results. Ok: it is durable that the job is gone; what is
-  // left of it FinishForgetting removes at the next start. Else all is as it was.
+  // Removes a job's checkpoints and its folder of results; behind a link only what it published (forget.h).
+  // Ok: it is durable that the job is gone; what is left of it FinishForgetting removes at the next start.
+  // Else all is as it was.
   Status Forget(const std::string& job, const std::filesystem::path& results) const;
   // `results_of`: the folder of a job's results.
   void FinishForgetting(const std::function<std::filesystem::path(const std::string& job)>& results_of) const;
