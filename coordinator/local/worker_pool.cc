@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -29,13 +30,25 @@ WorkerPool::~WorkerPool() {
 Status WorkerPool::Start() {
   if (::access(options_.program.c_str(), X_OK) != 0)
     return {Code::kNotFound, options_.program + ": " + std::strerror(errno)};
-  log_ = ::open(options_.log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0600);
+  if (Status status = OpenLog(); !status.ok()) return status;
   places_.resize(static_cast<std::size_t>(std::max(1, options_.workers)));
   for (Place& place : places_) {
     const Result<pid_t> pid = Spawn();
     if (!pid.ok()) return pid.status();
     place.pid = pid.value();
   }
+  return Status::Ok();
+}
+
+// Without O_NONBLOCK a FIFO would wait for whoever reads from it.
+Status WorkerPool::OpenLog() {
+  constexpr int kHow = O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
+  struct stat there{};
+  const bool is_file = ::lstat(options_.log_file.c_str(), &there) != 0 || S_ISREG(there.st_mode);
+  log_ = is_file ? ::open(options_.log_file.c_str(), kHow, 0600) : -1;
+  if (!is_file || (log_ >= 0 && (::fstat(log_, &there) != 0 || !S_ISREG(there.st_mode))))
+    return {Code::kRefused,
+            options_.log_file.string() + " is no regular file; what workers say goes into one: move it away"};
   return Status::Ok();
 }
 

@@ -29,8 +29,8 @@ class WorkerPool {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  // kNotFound, kIo: they cannot be started. The file for what they say is opened once: it stays the one that
-  // it is, whatever becomes of its name.
+  // kNotFound, kIo: they cannot be started. kRefused: in the place of that file is something else. The file
+  // for what they say is opened once: it stays the one that it is, whatever becomes of its name.
   Status Start();
   struct Death {
     std::int64_t pid = 0;
@@ -50,6 +50,7 @@ class WorkerPool {
     pid_t pid = 0;  // 0: nobody
     int restarts = 0;
   };
+  Status OpenLog();
   Result<pid_t> Spawn() const;
 
   const WorkerPoolOptions options_;

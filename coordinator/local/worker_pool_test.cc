@@ -1,6 +1,7 @@
 #include "coordinator/local/worker_pool.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <csignal>
 #include <filesystem>
@@ -53,6 +54,19 @@ TEST(WorkerPool, TellsOfWhichSignalAWorkerDied) {
   ASSERT_EQ(deaths.size(), 1u);
   EXPECT_EQ(deaths[0].signal, SIGKILL);
   EXPECT_FALSE(deaths[0].refused);
+}
+
+// Were it opened as files are, the test would never end.
+TEST(WorkerPool, WaitsForNobodyWhoReadsFromAFifoInPlaceOfItsLog) {
+  const Result<PrivateFolder> made = PrivateFolder::Make();
+  ASSERT_TRUE(made.ok()) << made.status().message();
+  const std::filesystem::path folder = made.value().path(), log = folder / "log";
+  ASSERT_EQ(::mkfifo(log.c_str(), 0600), 0);
+  WorkerPool pool({WorkerThat(folder, "exit 0"), "ipc:///none", 1, 0, log});
+  const Status status = pool.Start();
+  EXPECT_EQ(status.code(), Code::kRefused);
+  EXPECT_EQ(status.message().find(log.string() + " is no regular file"), 0u) << status.message();
+  EXPECT_TRUE(pool.AllGone());
 }
 
 }  // namespace
