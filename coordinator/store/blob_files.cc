@@ -32,7 +32,7 @@ Result<BlobPtr> ReadAlone(const fs::path& path, const Hash& hash) {
 }
 
 Result<std::vector<wire::NamedBlob>> ReadPack(const fs::path& path) {
-  Result<BlobFile> file = ReadStoredFile(path);
+  Result<BlobFile> file = ReadStoredFile(path, kSmallStoredBytes);
   if (!file.ok()) return file.status();
   Result<std::vector<wire::NamedBlob>> blobs = UnpackBlobs(file.value().blob);
   if (!blobs.ok()) return Status(blobs.status().code(), path.string() + ": " + blobs.status().message());

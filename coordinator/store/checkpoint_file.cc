@@ -1,6 +1,7 @@
 #include "coordinator/store/checkpoint_file.h"
 
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "coordinator/core/round.h"
@@ -43,7 +44,8 @@ Status WriteCheckpoint(const std::filesystem::path& path, const proto::Checkpoin
 
 Result<proto::Checkpoint> ParseCheckpoint(std::span<const std::uint8_t> bytes) {
   proto::Checkpoint checkpoint;
-  if (!checkpoint.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
+  if (bytes.size() > std::numeric_limits<int>::max() ||
+      !checkpoint.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
     return Status(Code::kCorrupt, "not a checkpoint");
   const std::string wrong = WhatIsWrong(checkpoint);
   if (!wrong.empty()) return Status(Code::kCorrupt, wrong);
@@ -51,7 +53,7 @@ Result<proto::Checkpoint> ParseCheckpoint(std::span<const std::uint8_t> bytes) {
 }
 
 Result<proto::Checkpoint> ReadCheckpoint(const std::filesystem::path& path) {
-  const Result<BlobFile> file = ReadStoredFile(path);
+  const Result<BlobFile> file = ReadStoredFile(path, kSmallStoredBytes);
   if (!file.ok()) return file.status();
   try {
     Result<proto::Checkpoint> checkpoint = ParseCheckpoint(file.value().blob.Get<std::uint8_t>("checkpoint"));

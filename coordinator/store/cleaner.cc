@@ -99,7 +99,7 @@ Cleaned CleanStore(const StoreFolder& folder, const CleanOptions& options, const
 }
 
 std::optional<std::vector<Hash>> HashesInPack(const fs::path& pack) {
-  const Result<BlobFile> file = ReadStoredFile(pack);
+  const Result<BlobFile> file = ReadStoredFile(pack, kSmallStoredBytes);
   if (!file.ok()) return std::nullopt;
   const Result<std::vector<wire::NamedBlob>> blobs = UnpackBlobs(file.value().blob);
   if (!blobs.ok()) return std::nullopt;

@@ -81,6 +81,17 @@ TEST(CheckpointFile, PartsThatDoNotFitTogetherAreRefused) {
   EXPECT_TRUE(refused([](proto::Checkpoint& c) { c.mutable_step()->add_tasks()->set_index(9); }));
 }
 
+// A small file of zeros may unpack to gigabytes.
+TEST(CheckpointFile, OneThatUnpacksToFarMoreThanACheckpointDoesIsDamaged) {
+  TempFolder temp;
+  Blob blob;
+  blob.PutVector("checkpoint", std::vector<std::uint8_t>((std::size_t{64} << 20) + 1));
+  ASSERT_TRUE(WriteBlobFile(temp.path() / "3.h5", "checkpoint", blob).ok());
+  const Status status = ReadCheckpoint(temp.path() / "3.h5").status();
+  EXPECT_EQ(status.code(), Code::kCorrupt);
+  EXPECT_NE(status.message().find("more than 67.1 MB unpacked"), std::string::npos) << status.message();
+}
+
 // A FIFO would wait for whoever writes into it.
 TEST(StoreFolder, AVersionThatIsNoFileIsRefused) {
   const TempFolder temp;

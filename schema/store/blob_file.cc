@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <limits>
 #include <mutex>
+#include <new>
 #include <utility>
 
 #include "schema/store/atomic_file.h"
@@ -138,6 +139,33 @@ Result<FileContents> ReadAll(const File& file, const std::string& name, const Re
   return result;
 }
 
+bool TakesNoMoreThan(const File& file, std::uint64_t most_bytes) {
+  const Result<std::vector<std::string>> names = store::DatasetNames(file.handle.get());
+  return names.ok() && store::CheckUnpacked(file.handle.get(), names.value(), most_bytes).ok();
+}
+
+// A store whose next owner cannot read a file of it, for it takes all memory, must begin without that file.
+Result<FileContents> ReadStored(const File& file, std::uint64_t file_bytes, const std::string& name,
+                                std::uint64_t usual_bytes) {
+  const std::uint64_t most = store::MostUnpacked(file_bytes, usual_bytes);
+  Result<FileContents> contents = [&]() -> Result<FileContents> {
+    try {
+      return ReadAll(file, name, {}, most);
+    } catch (const std::bad_alloc&) {
+      return Status(Code::kIo, name + ": there is not the memory to read it");
+    }
+  }();
+  if (contents.ok()) return contents;
+  if (contents.status().code() == Code::kRefused)
+    return Status(Code::kCorrupt, name + ": damaged: its arrays take more than " + BytesText(most) +
+                                      " unpacked, as those of no such file do");
+  if (contents.status().code() == Code::kIo &&
+      !TakesNoMoreThan(file, store::MostUnpacked(file_bytes, kSmallStoredBytes)))
+    return Status(Code::kCorrupt,
+                  contents.status().message() + ", of which it takes more than a hundred times its own size");
+  return contents;
+}
+
 // After its datasets, whose own checksums say more of where it is damaged.
 Status CheckTrailerOf(const File& file, const RegularFile& bytes, const std::string& name, bool* changed) {
   if (store::HasTrailer(bytes)) return store::CheckTrailer(bytes, name);
@@ -213,7 +241,7 @@ Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptio
   return AsBlobFile(store::InChild(path, [&] { return store::ReadChecked(path, options); }));
 }
 
-Result<BlobFile> ReadStoredFile(const std::filesystem::path& path) {
+Result<BlobFile> ReadStoredFile(const std::filesystem::path& path, std::uint64_t usual_bytes) {
   for (int i = 0; i < kMostTries; ++i) {
     const Result<RegularFile> bytes = RegularFile::Open(path);
     if (!bytes.ok()) return bytes.status();
@@ -222,7 +250,8 @@ Result<BlobFile> ReadStoredFile(const std::filesystem::path& path) {
     const store::QuietErrors quiet;
     const Result<File> file = Open(path, bytes.value());
     if (!file.ok()) return file.status();
-    if (!file.value().replaced) return AsBlobFile(ReadAll(file.value(), path.string(), {}, kHoweverMuch));
+    if (!file.value().replaced)
+      return AsBlobFile(ReadStored(file.value(), bytes.value().size(), path.string(), usual_bytes));
   }
   return IsReplacedAllTheTime(path);
 }

@@ -48,9 +48,17 @@ Status WriteNewBlobFile(const std::filesystem::path& path, const std::string& ki
 // times the file. kIo, also where there is not the memory to read it.
 Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptions& options = {});
 
+// Of a store's small files: checkpoints, packs.
+inline constexpr std::uint64_t kSmallStoredBytes = std::uint64_t{64} << 20;
+// Of any: all arrays of a message have no more (schema/wire/limits.h).
+inline constexpr std::uint64_t kMostStoredBytes = std::uint64_t{4} << 30;
+
 // A file of a store, which WriteBlobFile wrote: its checksum trailer is checked before HDF5 sees it, in this
-// process. Fails as ReadBlobFile does; kCorrupt also where a single byte is another.
-Result<BlobFile> ReadStoredFile(const std::filesystem::path& path);
+// process. Fails as ReadBlobFile does; kCorrupt also where a single byte is another, and where its arrays
+// take more unpacked than `usual_bytes`, and than a hundred times the file: the store's next owner must be
+// able to begin without it.
+Result<BlobFile> ReadStoredFile(const std::filesystem::path& path,
+                                std::uint64_t usual_bytes = kMostStoredBytes);
 
 // Without truth/ and provenance/: what a job may see.
 Result<BlobFile> ReadBlobFileWithoutTruth(const std::filesystem::path& path, bool changed_too = false);

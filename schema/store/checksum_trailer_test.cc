@@ -1,11 +1,16 @@
 #include "schema/store/checksum_trailer.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
+#include <fstream>
+#include <iostream>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "schema/store/blob_file.h"
@@ -28,6 +33,48 @@ TEST(Trailer, AStoredFileComesBack) {
   EXPECT_EQ(read.value().blob.ContentHash(), OddBlob().ContentHash());
   EXPECT_EQ(ReadStoredFile(folder / "none.h5").status().code(), Code::kNotFound);
 }
+
+// Zeros, of which a small file may hold as many as its maker likes.
+TEST(StoredFile, WhatUnpacksToFarMoreThanItsKindDoesIsDamaged) {
+  const TempFolder folder;
+  Blob blob;
+  blob.PutVector("zeros", std::vector<std::uint8_t>(std::size_t{8} << 20));
+  ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "blob", blob).ok());
+  ASSERT_LT(std::filesystem::file_size(folder / "a.h5"), 80'000u);
+  EXPECT_TRUE(ReadStoredFile(folder / "a.h5").ok());
+  EXPECT_TRUE(ReadStoredFile(folder / "a.h5", std::uint64_t{8} << 20).ok());
+  const Status status = ReadStoredFile(folder / "a.h5", (std::uint64_t{8} << 20) - 1).status();
+  EXPECT_EQ(status.code(), Code::kCorrupt);
+  EXPECT_NE(status.message().find("more than 8.4 MB unpacked"), std::string::npos) << status.message();
+}
+
+#ifndef CAIRN_SANITIZED
+// Reads it with no more than half of `bytes` of memory, says what came of it, and ends.
+[[noreturn]] void ReadForWantOf(std::size_t bytes, const std::filesystem::path& path) {
+  std::ifstream self("/proc/self/statm");
+  rlim_t pages = 0;
+  self >> pages;
+  const rlim_t most = pages * static_cast<rlim_t>(::getpagesize()) + bytes / 2;
+  const rlimit limit{most, most};
+  ::setrlimit(RLIMIT_AS, &limit);
+  const Status status = ReadStoredFile(path).status();
+  std::cerr << status.message() << std::endl;
+  ::_exit(static_cast<int>(status.code()));
+}
+
+// Else no coordinator would begin on a store with such a file; one that is as large as it says may be whole.
+TEST(StoredFile, WhereItTakesAllMemoryItIsDamagedIfItUnpacksToFarMoreThanItHas) {
+  const TempFolder folder;
+  constexpr std::size_t kSize = std::size_t{96} << 20;
+  for (const auto& [value, code] : {std::pair{0, Code::kCorrupt}, {1, Code::kIo}}) {
+    Blob blob;
+    blob.PutVector("bytes", std::vector<std::uint8_t>(kSize, static_cast<std::uint8_t>(value)));
+    ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "blob", blob).ok());
+    EXPECT_EXIT(ReadForWantOf(kSize, folder / "a.h5"), testing::ExitedWithCode(static_cast<int>(code)),
+                "there is not the memory");
+  }
+}
+#endif
 
 TEST(Trailer, AnyFlippedByteIsSeen) {
   const TempFolder folder;

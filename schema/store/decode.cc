@@ -331,9 +331,10 @@ Result<DatasetInfo> DescribeDataset(hid_t file, const std::string& name) {
   return std::move(open).value().info;
 }
 
-std::uint64_t MostUnpacked(std::uint64_t file_bytes) {
-  constexpr std::uint64_t kLeast = std::uint64_t{2} << 30, kTimes = 100;
-  return std::max(kLeast, std::min(file_bytes, std::numeric_limits<std::uint64_t>::max() / kTimes) * kTimes);
+std::uint64_t MostUnpacked(std::uint64_t file_bytes, std::uint64_t usual_bytes) {
+  constexpr std::uint64_t kTimes = 100;
+  return std::max(usual_bytes,
+                  std::min(file_bytes, std::numeric_limits<std::uint64_t>::max() / kTimes) * kTimes);
 }
 
 Status CheckUnpacked(hid_t file, const std::vector<std::string>& names, std::uint64_t most_bytes) {

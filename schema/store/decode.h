@@ -27,10 +27,10 @@ bool IsMarkedWithTrailer(hid_t file);
 Result<std::vector<std::string>> DatasetNames(hid_t file);
 
 Result<DatasetInfo> DescribeDataset(hid_t file, const std::string& name);
-// What the arrays of a file may take once they are unpacked: the larger of 2 GiB and a hundred times the
-// file. A few megabytes of deflate are as many gigabytes as their maker likes; a copy that is not deflated
-// may have any size.
-std::uint64_t MostUnpacked(std::uint64_t file_bytes);
+// What the arrays of a file may take once they are unpacked: the larger of `usual_bytes` and a hundred times
+// the file. A few megabytes of deflate are as many gigabytes as their maker likes; a copy that is not
+// deflated may have any size.
+std::uint64_t MostUnpacked(std::uint64_t file_bytes, std::uint64_t usual_bytes = std::uint64_t{2} << 30);
 // kRefused where those arrays take more.
 Status CheckUnpacked(hid_t file, const std::vector<std::string>& names, std::uint64_t most_bytes);
 // kRefused also where its texts alone take more than `most_bytes`: of texts of variable width, which may all
