@@ -76,6 +76,12 @@ bool IsLink(const fs::path& path) {
   return fs::is_symlink(fs::symlink_status(path, error));
 }
 
+// Not also where that cannot be looked at now.
+bool IsThere(const fs::path& path) {
+  std::error_code unknown;
+  return fs::exists(path, unknown);
+}
+
 // The figures that a plan's State carries for people.
 std::map<std::string, double> ExpectedOf(const proto::Step& step) {
   const std::string prefix = "expected/";
@@ -198,7 +204,7 @@ Status Run::WriteReplaced(const std::set<std::string>& stages) const {
 
 // The new run has a result: what it replaces goes, all together, with the pictures that were made of it.
 void Run::RemoveReplaced() {
-  if (Known()->stage == 0 || !fs::exists(ReplacedFile()) || !folder_.IsStillThere().ok()) return;
+  if (Known()->stage == 0 || !IsThere(ReplacedFile()) || !folder_.IsStillThere().ok()) return;
   const std::set<std::string> stages = ReadStages(ReplacedFile());
   std::vector<fs::path> files = MadeOf(stages);
   for (std::uint32_t done = 0; done < Known()->stage; ++done)
@@ -223,7 +229,7 @@ std::vector<fs::path> Run::PublishedByThisRun() const {
   const std::set<std::string> replaced = ReadStages(ReplacedFile());
   std::vector<fs::path> files;
   for (const proto::Stage& stage : job_.stages())
-    if (!replaced.contains(stage.name()) && fs::exists(ResultFile(stage.name())))
+    if (!replaced.contains(stage.name()) && IsThere(ResultFile(stage.name())))
       files.push_back(ResultFile(stage.name()));
   return files;
 }
@@ -264,8 +270,8 @@ std::string Run::WhatIsWrongWithResults() const {
   const Job& known = *Known();
   for (std::size_t stage = 0; stage < known.results.size(); ++stage) {
     const fs::path file = ResultFile(known.spec.stages(static_cast<int>(stage)).name());
-    if (!fs::exists(file) && known.state != proto::JOB_DONE) continue;
-    if (!fs::exists(file)) return file.string() + " is missing";
+    if (!IsThere(file) && known.state != proto::JOB_DONE) continue;
+    if (!IsThere(file)) return file.string() + " is missing";
     const Result<BlobFile> result = ReadBlobFile(file, {.only = {}, .without = {"provenance/"}});
     if (!result.ok()) return "its result cannot be used: " + result.status().message();
     if (result.value().blob.ContentHash() != known.results[stage])
@@ -280,7 +286,7 @@ std::optional<EmbeddedResult> Run::LookAtEarlierRun() {
   if (known == nullptr) {
     const std::set<std::string> replaced = ReadStages(ReplacedFile());
     for (const proto::Stage& stage : job_.stages())
-      if (fs::exists(ResultFile(stage.name())) && !replaced.contains(stage.name()))
+      if (IsThere(ResultFile(stage.name())) && !replaced.contains(stage.name()))
         return End(EmbeddedEnd::kConflict,
                    ResultFile(stage.name()).string() + " is there already, of another run");
     return std::nullopt;

@@ -43,9 +43,8 @@ Result<std::optional<wire::ServerSecurity>> ReadSecurity(const std::string& keys
 
 std::vector<std::filesystem::path> ResultFilesIn(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
-  std::error_code none;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, none))
-    if (entry.path().extension() == ".h5") files.push_back(entry.path());
+  for (const std::filesystem::path& path : EntriesOf(folder))
+    if (path.extension() == ".h5") files.push_back(path);
   return files;
 }
 

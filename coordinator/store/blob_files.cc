@@ -39,6 +39,12 @@ Result<std::vector<wire::NamedBlob>> ReadPack(const fs::path& path) {
   return blobs;
 }
 
+// Of what cannot be looked at now (a right is missing, the disk fails) nobody knows that.
+bool IsGone(const fs::path& path) {
+  std::error_code unknown;
+  return fs::status(path, unknown).type() == fs::file_type::not_found;
+}
+
 }  // namespace
 
 BlobFiles::BlobFiles(const StoreFolder& folder) : folder_(folder) {
@@ -63,10 +69,12 @@ fs::path BlobFiles::FileOf(const Hash& hash) const {
   const std::lock_guard lock(mutex_);
   const auto packed = pack_of_.find(hash);
   if (packed != pack_of_.end()) return packed->second;
-  return fs::exists(folder_.FlatFile(hash)) ? folder_.FlatFile(hash) : folder_.BlobFile(hash);
+  std::error_code unknown;
+  const bool flat = fs::exists(folder_.FlatFile(hash), unknown);
+  return flat ? folder_.FlatFile(hash) : folder_.BlobFile(hash);
 }
 
-bool BlobFiles::Has(const Hash& hash) const { return fs::exists(FileOf(hash)); }
+bool BlobFiles::Has(const Hash& hash) const { return !IsGone(FileOf(hash)); }
 
 Result<BlobPtr> BlobFiles::Read(const Hash& hash) {
   const fs::path path = FileOf(hash);
@@ -184,8 +192,8 @@ std::optional<std::vector<Hash>> BlobFiles::InPack(const fs::path& pack) const {
 
 void BlobFiles::ForgetGonePacks() {
   const std::lock_guard lock(mutex_);
-  std::erase_if(pack_of_, [](const auto& packed) { return !fs::exists(packed.second); });
-  std::erase_if(packs_, [](const auto& pack) { return !fs::exists(pack.first); });
+  std::erase_if(pack_of_, [](const auto& packed) { return IsGone(packed.second); });
+  std::erase_if(packs_, [](const auto& pack) { return IsGone(pack.first); });
 }
 
 Status UploadFiles::Do(const OpenUpload& open) {

@@ -26,6 +26,7 @@ class BlobFiles {
   // Looks into the packs that are there; one that is damaged is quarantined.
   explicit BlobFiles(const StoreFolder& folder);
 
+  // True also where that cannot be told now: then Read says why.
   bool Has(const Hash& hash) const;
   // kNotFound; kCorrupt where the file is damaged or its content is not what its name says.
   Result<BlobPtr> Read(const Hash& hash);

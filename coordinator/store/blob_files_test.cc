@@ -102,6 +102,26 @@ TEST_F(Files, ADamagedPackIsQuarantinedAtTheStart) {
   EXPECT_TRUE(fs::exists(pack.string() + ".damaged"));
 }
 
+// As where a right is missing for a moment, which root would not notice: a link that leads to itself.
+TEST_F(Files, WhatCannotBeLookedAtNowIsNotGone) {
+  const auto packed = Small(20), alone = std::vector{TextBlob("alone")};
+  Write(packed);
+  Write(alone);
+  const fs::path aside = temp_.path() / "aside";
+  fs::rename(folder_.Blobs(), aside);
+  fs::create_symlink(folder_.Blobs(), folder_.Blobs());
+  for (const Hash& hash : {packed[0].hash, alone[0].hash}) {
+    EXPECT_TRUE(files_.Has(hash));
+    const Status status = files_.Read(hash).status();
+    EXPECT_TRUE(SaysNothing(status)) << status.message();
+  }
+  EXPECT_TRUE(SaysNothing(files_.Check(alone[0].hash)));
+  files_.ForgetGonePacks();
+  fs::remove(folder_.Blobs());
+  fs::rename(aside, folder_.Blobs());
+  for (const Hash& hash : {packed[0].hash, alone[0].hash}) EXPECT_TRUE(files_.Read(hash).ok());
+}
+
 TEST_F(Files, AWriteThatFailsLeavesNothing) {
   fs::remove_all(folder_.Blobs());
   std::vector<Hash> written;

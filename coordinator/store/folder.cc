@@ -40,6 +40,11 @@ bool IsALink(const fs::path& path) {
   return fs::is_symlink(fs::symlink_status(path, error));
 }
 
+bool IsAFolder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error);
+}
+
 // Whoever hands on a store must not choose which of the next person's files are written or removed. Where the
 // results of a service lie is its own user's choice.
 Status RefuseLinks(const fs::path& dir) {
@@ -74,12 +79,12 @@ Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
   if (!folder.ok()) return folder;
   if (Status status = folder.value().MakeFolders(); !status.ok()) return status;
   if (Status status = folder.value().LockBlobs(); !status.ok()) return status;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(dir, error))
-    if (entry.is_directory()) RemoveLeftovers(entry.path());
+  for (fs::recursive_directory_iterator it(dir, error), end; !error && it != end; it.increment(error))
+    if (IsAFolder(it->path())) RemoveLeftovers(it->path());
   // Of whom they came, nobody is there any more.
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder.value().Uploads(), error)) {
+  for (const fs::path& path : EntriesOf(folder.value().Uploads())) {
     std::error_code ignored;
-    if (entry.path().extension() == ".part") fs::remove(entry.path(), ignored);
+    if (path.extension() == ".part") fs::remove(path, ignored);
   }
   return folder;
 }
@@ -132,10 +137,9 @@ bool StoreFolder::IsForeign(const fs::path& dir) {
   std::error_code error;
   if (fs::exists(folder.VersionFile(), error) || fs::exists(folder.JobTable(), error)) return false;
   const std::vector<fs::path> leftovers = Leftovers(dir);
-  for (const fs::directory_entry& entry : fs::directory_iterator(dir, error))
-    if (entry.path().filename() != "lock" && std::ranges::find(leftovers, entry.path()) == leftovers.end())
-      return true;
-  return false;
+  return std::ranges::any_of(EntriesOf(dir), [&](const fs::path& path) {
+    return path.filename() != "lock" && std::ranges::find(leftovers, path) == leftovers.end();
+  });
 }
 
 Status StoreFolder::IsStillThere() const {
@@ -203,12 +207,11 @@ Status StoreFolder::MakeFolders() const {
 
 std::vector<std::uint64_t> StoreFolder::CheckpointNumbers(const std::string& job) const {
   std::vector<std::uint64_t> numbers;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(Checkpoints() / job, error)) {
-    const std::string stem = entry.path().stem().string();
+  for (const fs::path& path : EntriesOf(Checkpoints() / job)) {
+    const std::string stem = path.stem().string();
     std::uint64_t number = 0;
     const auto end = std::from_chars(stem.data(), stem.data() + stem.size(), number);
-    if (entry.path().extension() == ".h5" && end.ec == std::errc() && end.ptr == stem.data() + stem.size())
+    if (path.extension() == ".h5" && end.ec == std::errc() && end.ptr == stem.data() + stem.size())
       numbers.push_back(number);
   }
   std::sort(numbers.begin(), numbers.end());
@@ -217,30 +220,25 @@ std::vector<std::uint64_t> StoreFolder::CheckpointNumbers(const std::string& job
 
 std::vector<std::string> StoreFolder::JobsWithCheckpoints() const {
   std::vector<std::string> jobs;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(Checkpoints(), error))
-    if (entry.is_directory() && entry.path().extension() != kGone)
-      jobs.push_back(entry.path().filename().string());
+  for (const fs::path& path : EntriesOf(Checkpoints()))
+    if (path.extension() != kGone && IsAFolder(path)) jobs.push_back(path.filename().string());
   std::sort(jobs.begin(), jobs.end());
   return jobs;
 }
 
 std::vector<fs::path> StoreFolder::PackFiles() const {
   std::vector<fs::path> packs;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(Blobs(), error))
-    if (entry.path().filename().string().starts_with("pack-") && entry.path().extension() == ".h5")
-      packs.push_back(entry.path());
+  for (const fs::path& path : EntriesOf(Blobs()))
+    if (path.filename().string().starts_with("pack-") && path.extension() == ".h5") packs.push_back(path);
   std::sort(packs.begin(), packs.end());
   return packs;
 }
 
 std::vector<Hash> StoreFolder::BlobsAlone() const {
   std::vector<Hash> blobs;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(Blobs(), error)) {
-    const Result<Hash> hash = Hash::FromHex(entry.path().stem().string());
-    const bool is_blob = entry.path().extension() == ".h5" || entry.path().extension() == ".flat";
+  for (const fs::path& path : EntriesOf(Blobs())) {
+    const Result<Hash> hash = Hash::FromHex(path.stem().string());
+    const bool is_blob = path.extension() == ".h5" || path.extension() == ".flat";
     if (hash.ok() && is_blob) blobs.push_back(hash.value());
   }
   std::sort(blobs.begin(), blobs.end());
@@ -271,9 +269,9 @@ Status StoreFolder::Forget(const std::string& job, const fs::path& results) cons
 
 void StoreFolder::FinishForgetting(const std::function<fs::path(const std::string& job)>& results_of) const {
   std::vector<std::string> jobs;
-  std::error_code ignored;  // the next start tries again
-  for (const fs::directory_entry& entry : fs::directory_iterator(Checkpoints(), ignored))
-    if (entry.path().extension() == kGone) jobs.push_back(entry.path().stem().string());
+  for (const fs::path& path : EntriesOf(Checkpoints()))
+    if (path.extension() == kGone) jobs.push_back(path.stem().string());
+  // The next start tries again.
   for (const std::string& job : jobs) static_cast<void>(Forget(job, results_of(job)));
 }
 
@@ -289,6 +287,14 @@ Status StoreFolder::Clear() {
   }
   if (Status status = MakeFolders(); !status.ok()) return status;
   return LockBlobs();
+}
+
+std::vector<fs::path> EntriesOf(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    entries.push_back(it->path());
+  return entries;
 }
 
 void Quarantine(const fs::path& file) {

@@ -100,6 +100,9 @@ class StoreFolder {
   std::pair<std::uint64_t, std::uint64_t> id_;  // of what is called dir(), be it a link: device and inode
 };
 
+// What lies right in a folder; where that cannot be read to its end, what was found until then.
+std::vector<std::filesystem::path> EntriesOf(const std::filesystem::path& folder);
+
 // Renames a damaged file so that it is never read again but can be looked at: FILE.damaged.
 void Quarantine(const std::filesystem::path& file);
 

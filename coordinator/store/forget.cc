@@ -5,6 +5,7 @@
 
 #include "coordinator/core/job.h"
 #include "coordinator/store/checkpoint_file.h"
+#include "coordinator/store/folder.h"
 #include "coordinator/store/result_file.h"
 
 namespace cairn::coordinator {
@@ -15,11 +16,10 @@ namespace fs = std::filesystem;
 // Its regular files that are Cairn's.
 std::vector<fs::path> FilesOf(const fs::path& folder) {
   std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+  for (const fs::path& path : EntriesOf(folder)) {
     std::error_code gone;
-    if (it->path().extension() == ".h5" && fs::is_regular_file(it->symlink_status(gone)))
-      files.push_back(it->path());
+    if (path.extension() == ".h5" && fs::is_regular_file(fs::symlink_status(path, gone)))
+      files.push_back(path);
   }
   return files;
 }

@@ -244,10 +244,11 @@ Status SyncFolder(const std::filesystem::path& folder) {
 std::vector<std::filesystem::path> Leftovers(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> leftovers;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
+  std::filesystem::directory_iterator it(folder, error);
+  for (const std::filesystem::directory_iterator end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
     const pid_t owner = OwnerOf(name);
-    if (owner > 0 && !IsAlive(owner, name)) leftovers.push_back(entry.path());
+    if (owner > 0 && !IsAlive(owner, name)) leftovers.push_back(it->path());
   }
   return leftovers;
 }
