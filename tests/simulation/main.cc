@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <sstream>
 #include <string>
 
@@ -68,6 +69,10 @@ int main(int argc, char** argv) {
     std::fputs(help.str().c_str(), stdout);
     return ExitCode(0);
   }
+  if (seeds == 0 || seeds - 1 > std::numeric_limits<std::uint64_t>::max() - first) {
+    std::fputs("cairn-sim: --seeds is at least 1, and the last seed at most 18446744073709551615\n", stderr);
+    return 2;
+  }
   std::signal(SIGABRT, SayAbort);
 
   cairn::simulation::Trace trace;
@@ -76,11 +81,11 @@ int main(int argc, char** argv) {
   std::uint64_t worlds = 0, failed = 0, events = 0;
   double simulated_s = 0;
   Coverage sum{};
-  for (std::uint64_t seed = first; seed < first + seeds && !(stop && failed > 0); ++seed) {
+  for (; worlds < seeds && !(stop && failed > 0); ++worlds) {
+    const std::uint64_t seed = first + worlds;
     abort_text = Verdict(argv[0], seed, "aborted, for the reason above");
     if (traced) std::setvbuf(stdout, nullptr, _IOLBF, 0);
     const cairn::simulation::Outcome outcome = cairn::simulation::World(seed, trace).Run();
-    ++worlds;
     events += outcome.events;
     simulated_s += outcome.simulated_s;
     for (std::size_t mark = 0; mark < sum.size(); ++mark) sum[mark] += outcome.coverage[mark];
