@@ -64,6 +64,7 @@ TEST(StoredFile, WhatUnpacksToFarMoreThanItsKindDoesIsDamaged) {
 
 // Else no coordinator would begin on a store with such a file; one that is as large as it says may be whole.
 TEST(StoredFile, WhereItTakesAllMemoryItIsDamagedIfItUnpacksToFarMoreThanItHas) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // a process of its own has no free memory of other tests
   const TempFolder folder;
   constexpr std::size_t kSize = std::size_t{96} << 20;
   for (const auto& [value, code] : {std::pair{0, Code::kCorrupt}, {1, Code::kIo}}) {
