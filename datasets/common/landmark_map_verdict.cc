@@ -210,6 +210,35 @@ Verdict::Doubt OfPlaces(const kinds::LandmarkMap& map, Verdict* verdict) {
                   loose, shared, one_sided, std::abs(least_nats), least_nats < 0 ? "behind" : "ahead of")};
 }
 
+// Of robots that are tied: a sensor that errs by a factor makes landmarks of its own, beside those of the
+// others, who looked there and saw none. They take up what does not fit, and nothing else says so.
+Verdict::Doubt OfOneSided(const kinds::LandmarkMap& map, Verdict* verdict) {
+  constexpr double kTied_nats = 10;
+  constexpr double kSome = 0.1, kMany = 0.2;  // of what at least one of the sides saw and both looked at
+  constexpr std::int64_t kLeast = 3;
+  double most = 0;
+  std::size_t robot = 0;
+  for (std::size_t r = map.robot.size() == 2 ? 1 : 0; r < map.robot.size(); ++r) {
+    const kinds::LandmarkMap::Robot& of = map.robot[r];
+    const auto one_sided = static_cast<double>(of.one_sided_landmarks.Or(0));
+    if (of.one_sided_landmarks.Or(0) < kLeast || of.place_lead_nats.Or(0) < kTied_nats) continue;
+    const double share = one_sided / (one_sided + static_cast<double>(of.shared_landmarks.Or(0)));
+    if (share > most) {
+      most = share;
+      robot = r;
+    }
+  }
+  if (most > 0) verdict->numbers.emplace_back("one_sided_share", most);
+  if (most <= kSome) return {Confidence::kHigh};
+  return {
+      AtMost(most, kSome, kMany),
+      fmt::format("{} and the others have {} landmarks in common, and {} that one side alone has seen "
+                  "though the other looked there: do the ranges and bearings of one err by a factor (units, "
+                  "field of view), or does it see less?",
+                  map.robots[robot], map.robot[robot].shared_landmarks.Or(0),
+                  map.robot[robot].one_sided_landmarks.Or(0))};
+}
+
 // A map may be as exact as it says and yet too vague to be called right.
 Verdict::Doubt OfUncertainty(const kinds::LandmarkMap& map, Verdict* verdict) {
   constexpr double kVague_m = 1;
@@ -323,8 +352,8 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, Verdict* ve
   for (const Verdict::Doubt& doubt :
        {OfMisfits(map), WhereStartsDisagree(map, OfWidths(map)), WhereStartsDisagree(map, OfRun(fit)),
         WhereStartsDisagree(map, OfJumps(fit)), OfHalves(fit), OfHoles(map, verdict), OfPlaces(map, verdict),
-        OfUncertainty(map, verdict), OfDistances(map, verdict), OfTurns(map, verdict),
-        OfRangeOffsets(map, verdict)}) {
+        OfOneSided(map, verdict), OfUncertainty(map, verdict), OfDistances(map, verdict),
+        OfTurns(map, verdict), OfRangeOffsets(map, verdict)}) {
     verdict->Add(doubt);
   }
 }

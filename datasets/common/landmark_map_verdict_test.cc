@@ -233,7 +233,8 @@ TEST(LandmarkMapVerdict, WhatOdometryLacksIsNeverHighAndLowWhereNothingElseTells
 }
 
 // As many robots as leads; below 0: another place, or none, is likelier.
-Verdict WithLeads(const std::vector<double>& lead_nats) {
+Verdict WithLeads(const std::vector<double>& lead_nats, std::int64_t shared = 3,
+                  std::int64_t one_sided = 11) {
   Blob map = FittedMap(200, 0, 0, 0);
   std::vector<std::string> robots;
   for (std::size_t r = 0; r < lead_nats.size(); ++r) {
@@ -241,8 +242,8 @@ Verdict WithLeads(const std::vector<double>& lead_nats) {
     robots.push_back("rob" + std::to_string(r));
     map.PutVector<std::int32_t>(prefix + "observations/map_landmark", {0, 0});
     if (std::isnan(lead_nats[r])) continue;
-    map.PutScalar<std::int64_t>(prefix + "shared_landmarks", 3);
-    map.PutScalar<std::int64_t>(prefix + "one_sided_landmarks", 11);
+    map.PutScalar<std::int64_t>(prefix + "shared_landmarks", shared);
+    map.PutScalar<std::int64_t>(prefix + "one_sided_landmarks", one_sided);
     map.PutScalar<double>(prefix + "place_lead_nats", lead_nats[r]);
   }
   map.Put("robots", Array::Texts(robots));
@@ -259,9 +260,24 @@ TEST(LandmarkMapVerdict, ARobotWhosePlaceIsUncertainIsNamed) {
       << loose.why;
   EXPECT_NE(WithLeads({5.0, 40.0, 9.9}).why.find("where rob0, rob2 is in"), std::string::npos);
   EXPECT_NE(WithLeads({5.0, 40.0, 9.9}).why.find("5.0 nats ahead of the next place"), std::string::npos);
-  for (const Verdict& tied : {WithLeads({10.0, 10.0}), WithLeads({std::nan(""), std::nan("")})}) {
+  for (const Verdict& tied : {WithLeads({10.0, 10.0}, 14, 0), WithLeads({std::nan(""), std::nan("")})}) {
     EXPECT_GE(tied.trust, Confidence::kFair);
     EXPECT_EQ(tied.why.find("uncertain"), std::string::npos) << tied.why;
+  }
+}
+
+// The figures of two robots one of which saw all bearings a fifth too small, and of healthy ones.
+TEST(LandmarkMapVerdict, LandmarksThatOneRobotAloneSawThoughTheOtherLookedThereAreADoubt) {
+  const Verdict wrong = WithLeads({43.1, 43.1}, 13, 5);
+  EXPECT_EQ(wrong.trust, Confidence::kLow);
+  EXPECT_NE(wrong.why.find("rob1 and the others have 13 landmarks in common, and 5 that one side alone"),
+            std::string::npos)
+      << wrong.why;
+  EXPECT_EQ(WithLeads({43.1, 43.1}, 20, 3).trust, Confidence::kFair);
+  for (const std::int64_t few : {0, 1, 2}) {
+    const Verdict healthy = WithLeads({43.1, 43.1}, 14, few);
+    EXPECT_GE(healthy.trust, Confidence::kFair);
+    EXPECT_EQ(healthy.why.find("one side alone"), std::string::npos) << healthy.why;
   }
 }
 

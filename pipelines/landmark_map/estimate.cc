@@ -77,7 +77,7 @@ double PlacesWhereLost(const RobotSteps& steps, const Settings& settings,
                        const std::map<std::int32_t, Box>& seen, double map_cells) {
   if (steps.observations.empty()) return map_cells;
   const std::int32_t type = steps.observations[0].type;
-  const bool named = type < settings.map.types;
+  const bool named = type < settings.map.types && !settings.map.named_later;
   const auto from = seen.find(type);
   const double whole = std::sqrt(map_cells);
   constexpr double kReach = 7.0;  // standard deviations to both sides, of landmark and observation

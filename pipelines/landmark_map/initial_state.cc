@@ -13,12 +13,15 @@
 namespace cairn::landmark_map {
 namespace {
 
-// Which layers of the map a robot's observations may be of: any class may seem another.
+// Which layers of the map a robot's observations may be of: any class may seem another, what has no name may
+// be what others name, and the other way round.
 std::vector<bool> TypesSeen(const RobotSteps& robot, const MapRules& rules) {
   std::vector<bool> seen(static_cast<std::size_t>(rules.layers()), false);
   for (const Observation& o : robot.observations) seen[static_cast<std::size_t>(o.type)] = true;
   const auto classes = seen.begin() + rules.types;
-  if (std::find(classes, seen.end(), true) != seen.end()) std::fill(classes, seen.end(), true);
+  const bool any = rules.partly_named && !robot.observations.empty();
+  if (any || std::find(classes, seen.end(), true) != seen.end()) std::fill(classes, seen.end(), true);
+  if (any && rules.named_later && rules.classes.count == 1) seen.assign(seen.size(), true);
   return seen;
 }
 
@@ -29,6 +32,7 @@ void CheckSeenTwo(const kinds::Log& log, std::size_t robot) {
     if (r != robot)
       for (const std::int32_t landmark : log.robot[r].observations.landmark.OrNone())
         by_others.insert(landmark);
+  if (by_others.contains(-1)) return;  // which they are, is found out
   for (const std::int32_t landmark : log.robot[robot].observations.landmark.OrNone()) {
     if (landmark < 0) return;  // which it is, is found out
     if (by_others.contains(landmark)) common.insert(landmark);

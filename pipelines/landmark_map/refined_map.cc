@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -40,31 +41,50 @@ void DropUnidentified(const MapRules& rules, std::vector<Landmark>* landmarks,
   }
 }
 
+// From types to indices; what is of no landmark goes.
+void NumberNamed(const std::vector<Landmark>& landmarks, std::vector<ImageObservations>* images) {
+  for (ImageObservations& image : *images) {
+    std::vector<NamedInImage> numbered;
+    for (NamedInImage seen : image.named) {
+      const auto at = std::ranges::find(landmarks, seen.landmark, &Landmark::type);
+      if (at == landmarks.end()) continue;
+      seen.landmark = static_cast<std::int32_t>(at - landmarks.begin());
+      numbered.push_back(seen);
+    }
+    image.named = std::move(numbered);
+  }
+}
+
 // Landmarks without identity that were seen at a distance are found anew, from whole images.
-void FindInImages(const Settings& settings, const std::vector<RobotSteps>& steps, const RoundSum& sum,
-                  const std::vector<OdometryFit>& odometry, std::vector<Landmark>* landmarks,
-                  std::vector<Associated>* associated) {
+void FindInImages(const kinds::Log& log, const Settings& settings, const std::vector<RobotSteps>& steps,
+                  const RoundSum& sum, const std::vector<OdometryFit>& odometry,
+                  std::vector<Landmark>* landmarks, std::vector<Associated>* associated) {
   std::vector<ImageObservations> images;
   double variance_m2 = 0.0, poses = 0.0;
   for (std::size_t r = 0; r < odometry.size(); ++r) {
     const std::vector<Blob> summaries = sum.SummariesOf(r);
-    AppendImages(steps[r].WithoutDrift(odometry[r].drift_rad_per_m), settings.map.types, r,
-                 Joined(summaries, "pose/mode_x_m"), Joined(summaries, "pose/mode_y_m"),
-                 Joined(summaries, "pose/mode_heading_rad"), &images);
+    AppendImages(
+        steps[r].WithoutDrift(odometry[r].drift_rad_per_m), settings.map.types, r,
+        Joined(summaries, "pose/mode_x_m"), Joined(summaries, "pose/mode_y_m"),
+        Joined(summaries, "pose/mode_heading_rad"),
+        settings.map.partly_named ? log.robot[r].observations.time_s.values() : std::span<const double>(),
+        &images);
     AddPositionVariance(summaries, &variance_m2, &poses);
   }
-  if (images.empty()) return;
+  if (std::ranges::all_of(images, [](const ImageObservations& image) { return image.seen.empty(); })) return;
   DropUnidentified(settings.map, landmarks, associated);
-  const auto first = static_cast<std::int32_t>(landmarks->size());
   const double sigma_m = std::hypot(settings.map.observation_m, std::sqrt(variance_m2 / poses));
+  std::vector<Point> named;
+  for (const Landmark& landmark : *landmarks) named.push_back({landmark.x_m, landmark.y_m});
+  NumberNamed(*landmarks, &images);
   const ImageLandmarks found =
-      FindImageLandmarks(images, {sigma_m, settings.map.grid.cell_m, settings.map.types});
+      FindImageLandmarks(images, {sigma_m, settings.map.grid.cell_m, settings.map.types}, named);
   landmarks->insert(landmarks->end(), found.landmarks.begin(), found.landmarks.end());
   for (std::size_t i = 0; i < images.size(); ++i) {
     for (std::size_t k = 0; k < images[i].seen.size(); ++k) {
       Associated& of = (*associated)[images[i].robot];
       const auto at = static_cast<std::size_t>(images[i].observation[k]);
-      of.landmark[at] = found.landmark[i][k] < 0 ? -1 : first + found.landmark[i][k];
+      of.landmark[at] = found.landmark[i][k];
       of.probability[at] = found.probability[i][k];
     }
   }
@@ -111,7 +131,7 @@ RefinedMap RefineMapOf(const Blob& blob, const Settings& settings, const Inputs&
   // Which class a landmark is of only the counts tell.
   if (settings.map.classes.count == 1 && !IsGivenMap(inputs, CountsIn(inputs, settings)) &&
       !settings.incremental) {
-    FindInImages(settings, map.steps, sum, odometry, &map.landmarks, &associated);
+    FindInImages(log, settings, map.steps, sum, odometry, &map.landmarks, &associated);
   }
   for (std::size_t r = 0; r < paths.size(); ++r) {
     paths[r].associated = associated[r];

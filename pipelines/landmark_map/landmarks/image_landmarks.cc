@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
+#include <set>
 #include <tuple>
+#include <utility>
 
 namespace cairn::landmark_map {
 namespace {
@@ -53,16 +56,43 @@ struct FieldOfView {
   }
 };
 
+// Which images would have shown what has no name, were it there. Those that show names alone are of the same
+// sensor where a good part of the robot's others show names, too.
+std::vector<bool> LookedForNameless(const std::vector<ImageObservations>& images) {
+  constexpr double kSameSensor = 0.2;
+  std::map<std::size_t, std::pair<double, double>> of_robot;  // with names beside, all
+  for (const ImageObservations& image : images) {
+    if (image.seen.empty()) continue;
+    of_robot[image.robot].first += std::ranges::any_of(image.named, &NamedInImage::shown) ? 1 : 0;
+    ++of_robot[image.robot].second;
+  }
+  std::vector<bool> looked;
+  for (const ImageObservations& image : images) {
+    const auto [beside, all] = of_robot[image.robot];
+    looked.push_back(!image.seen.empty() || (all > 0 && beside >= kSameSensor * all));
+  }
+  return looked;
+}
+
 class ImageClusters {
  public:
-  ImageClusters(const std::vector<ImageObservations>& images, const ImageRules& rules)
-      : images_(images), rules_(rules), gate_m_(kGate * rules.sigma_m), view_(images) {
+  ImageClusters(const std::vector<ImageObservations>& images, const ImageRules& rules,
+                const std::vector<Point>& named)
+      : images_(images),
+        rules_(rules),
+        gate_m_(kGate * rules.sigma_m),
+        view_(images),
+        names_(named.size()),
+        positions_(named),
+        count_(named.size(), 0.0) {
     for (const ImageObservations& image : images) given_.emplace_back(image.seen.size(), kNoLandmark);
     shift_.resize(images.size());
+    looked_ = LookedForNameless(images);
   }
 
   void Pass(bool births) {
     for (std::size_t i = 0; i < images_.size(); ++i) {
+      if (images_[i].seen.empty()) continue;
       Give(i);
       if (births) Begin(i);
     }
@@ -88,6 +118,14 @@ class ImageClusters {
         sum.y_m += to.y_m - images_[i].seen[s].y_m;
         ++n;
       }
+      for (const NamedInImage& seen : images_[i].named) {
+        const Point& to = positions_[static_cast<std::size_t>(seen.landmark)];
+        if (Distance({seen.position.x_m + shift_[i].x_m, seen.position.y_m + shift_[i].y_m}, to) > gate_m_)
+          continue;
+        sum.x_m += to.x_m - seen.position.x_m;
+        sum.y_m += to.y_m - seen.position.y_m;
+        ++n;
+      }
       shift_[i] = {sum.x_m / (n + 1), sum.y_m / (n + 1)};
     }
   }
@@ -110,9 +148,21 @@ class ImageClusters {
     std::vector<std::size_t> taken;
     for (const auto& [distance, s, k] : pairs) {
       if (given_[i][s] != kNoLandmark || std::ranges::find(taken, k) != taken.end()) continue;
+      if (ShowsByName(i, k)) continue;
       given_[i][s] = static_cast<std::int32_t>(k);
       taken.push_back(k);
     }
+  }
+
+  bool IsNamed(std::size_t k) const { return k < names_; }
+  bool ShowsByName(std::size_t i, std::size_t k) const {
+    return IsNamed(k) && std::ranges::any_of(images_[i].named, [&](const NamedInImage& seen) {
+             return seen.shown && seen.landmark == static_cast<std::int32_t>(k);
+           });
+  }
+  // By name or not.
+  bool Shows(std::size_t i, std::size_t k) const {
+    return std::ranges::find(given_[i], static_cast<std::int32_t>(k)) != given_[i].end() || ShowsByName(i, k);
   }
 
   void Begin(std::size_t i) {
@@ -136,7 +186,7 @@ class ImageClusters {
       }
     }
     for (std::size_t k = 0; k < positions_.size(); ++k) {
-      if (count_[k] > 0) positions_[k] = {sum[k].x_m / count_[k], sum[k].y_m / count_[k]};
+      if (count_[k] > 0 && !IsNamed(k)) positions_[k] = {sum[k].x_m / count_[k], sum[k].y_m / count_[k]};
     }
   }
 
@@ -160,10 +210,7 @@ class ImageClusters {
 
   double Together(std::size_t a, std::size_t b) const {
     double images = 0;
-    for (const auto& image : given_) {
-      const bool has_a = std::ranges::find(image, static_cast<std::int32_t>(a)) != image.end();
-      images += has_a && std::ranges::find(image, static_cast<std::int32_t>(b)) != image.end() ? 1 : 0;
-    }
+    for (std::size_t i = 0; i < given_.size(); ++i) images += Shows(i, a) && Shows(i, b) ? 1 : 0;
     return images;
   }
 
@@ -175,7 +222,7 @@ class ImageClusters {
       const auto index = static_cast<std::int32_t>(k);
       const double distance = Distance(Seen(i, s), positions_[k]);
       if (!keep[k] || distance > nearest) continue;
-      if (std::ranges::find(given_[i], index) != given_[i].end()) continue;
+      if (Shows(i, k)) continue;
       nearest = distance;
       free = index;
     }
@@ -195,7 +242,8 @@ class ImageClusters {
 
   double Looked(const Point& position) const {
     double images = 0;
-    for (const ImageObservations& image : images_) images += view_.Holds(image, position) ? 1 : 0;
+    for (std::size_t i = 0; i < images_.size(); ++i)
+      images += looked_[i] && view_.Holds(images_[i], position) ? 1 : 0;
     return images;
   }
 
@@ -203,6 +251,8 @@ class ImageClusters {
   const ImageRules& rules_;
   double gate_m_;
   FieldOfView view_;
+  std::vector<bool> looked_;  // [image]: for what has no name
+  std::size_t names_;         // the first of them have names
   std::vector<Point> positions_;
   std::vector<double> count_;
   std::vector<std::vector<std::int32_t>> given_;
@@ -215,8 +265,10 @@ void ImageClusters::MergeDoubles() {
   for (std::size_t a = 0; a < positions_.size(); ++a) {
     for (std::size_t b = a + 1; b < positions_.size(); ++b) {
       if (!keep[a] || !keep[b] || Distance(positions_[a], positions_[b]) > gate_m_) continue;
-      if (Together(a, b) > kTogether * std::min(count_[a], count_[b])) continue;
-      keep[count_[a] < count_[b] ? a : b] = false;
+      if (IsNamed(b)) continue;
+      const bool named = IsNamed(a);
+      if (Together(a, b) > kTogether * (named ? count_[b] : std::min(count_[a], count_[b]))) continue;
+      keep[!named && count_[a] < count_[b] ? a : b] = false;
     }
   }
   Keep(keep);
@@ -229,6 +281,7 @@ void ImageClusters::DropNeedless() {
   std::ranges::stable_sort(order, {}, [&](std::size_t k) { return count_[k]; });
   std::vector<bool> keep(positions_.size(), true);
   for (const std::size_t k : order) {
+    if (IsNamed(k)) continue;
     const auto observations = GivenTo(k);
     keep[k] = false;
     std::vector<std::int32_t> others;
@@ -246,20 +299,21 @@ void ImageClusters::DropNeedless() {
 void ImageClusters::DropWeak() {
   std::vector<bool> keep;
   for (std::size_t k = 0; k < positions_.size(); ++k) {
-    keep.push_back(count_[k] >= std::max(kLeastCount, kLeastRate * Looked(positions_[k])));
+    keep.push_back(IsNamed(k) || count_[k] >= std::max(kLeastCount, kLeastRate * Looked(positions_[k])));
   }
   Keep(keep);
 }
 
 ImageLandmarks ImageClusters::Result() const {
-  std::vector<std::size_t> order(positions_.size());
-  std::iota(order.begin(), order.end(), 0U);
+  std::vector<std::size_t> order(positions_.size() - names_);
+  std::iota(order.begin(), order.end(), names_);
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return count_[a] > count_[b]; });
   std::vector<std::int32_t> rank(positions_.size());
+  std::iota(rank.begin(), rank.end(), 0);
   ImageLandmarks result;
   const double floor = rules_.cell_m * rules_.cell_m / 12.0;  // a cell is not a point
   for (const std::size_t k : order) {
-    rank[k] = static_cast<std::int32_t>(result.landmarks.size());
+    rank[k] = static_cast<std::int32_t>(names_ + result.landmarks.size());
     result.landmarks.push_back(
         {positions_[k].x_m, positions_[k].y_m, {floor, 0, 0, floor}, rules_.type, count_[k], 0});
   }
@@ -278,8 +332,8 @@ ImageLandmarks ImageClusters::Result() const {
       }
       probability.push_back(given_[i][s] == kNoLandmark ? std::exp(-0.5 * kGate * kGate) / all
                                                         : chosen / all);
-      if (landmark.back() == kNoLandmark) continue;
-      Landmark& l = result.landmarks[static_cast<std::size_t>(landmark.back())];
+      if (landmark.back() < static_cast<std::int32_t>(names_)) continue;
+      Landmark& l = result.landmarks[static_cast<std::size_t>(landmark.back()) - names_];
       const double dx = images_[i].seen[s].x_m - l.x_m, dy = images_[i].seen[s].y_m - l.y_m;
       l.covariance_m2[0] += dx * dx / l.count;
       l.covariance_m2[1] += dx * dy / l.count;
@@ -290,26 +344,53 @@ ImageLandmarks ImageClusters::Result() const {
   return result;
 }
 
+// When each of the steps' observations was made: of several rows, where they show one landmark.
+std::vector<std::set<double>> SeenAt(const RobotSteps& steps, std::span<const double> row_time_s) {
+  std::vector<std::set<double>> times(row_time_s.empty() ? 0 : steps.observations.size());
+  for (std::size_t i = 0; i < row_time_s.size(); ++i) {
+    const std::int32_t k = steps.row_observation[i];
+    if (k >= 0) times[static_cast<std::size_t>(k)].insert(row_time_s[i]);
+  }
+  return times;
+}
+
 }  // namespace
 
 void AppendImages(const RobotSteps& steps, int type, std::size_t robot, const std::vector<double>& x_m,
                   const std::vector<double>& y_m, const std::vector<double>& correction_rad,
-                  std::vector<ImageObservations>* images) {
+                  std::span<const double> row_time_s, std::vector<ImageObservations>* images) {
+  const std::vector<std::set<double>> seen_at = SeenAt(steps, row_time_s);
   for (std::size_t s = 0; s < x_m.size(); ++s) {
     ImageObservations image{{x_m[s], y_m[s]}, steps.odo_heading_rad[s] + correction_rad[s], {}, robot, {}};
     const double cosine = std::cos(correction_rad[s]), sine = std::sin(correction_rad[s]);
+    const auto laid_out = [&](const Observation& o) {
+      return Point{x_m[s] + cosine * o.x_m - sine * o.y_m, y_m[s] + sine * o.x_m + cosine * o.y_m};
+    };
+    std::set<double> shown_at;
     for (std::int32_t k = steps.first_observation[s]; k < steps.first_observation[s + 1]; ++k) {
       const Observation& o = steps.observations[static_cast<std::size_t>(k)];
       if (o.type != type || o.contact()) continue;
-      image.seen.push_back({x_m[s] + cosine * o.x_m - sine * o.y_m, y_m[s] + sine * o.x_m + cosine * o.y_m});
+      image.seen.push_back(laid_out(o));
       image.observation.push_back(k);
+      if (seen_at.empty()) continue;
+      const std::set<double>& times = seen_at[static_cast<std::size_t>(k)];
+      shown_at.insert(times.begin(), times.end());
     }
-    if (!image.seen.empty()) images->push_back(std::move(image));
+    if (image.seen.empty() && seen_at.empty()) continue;
+    for (std::int32_t k = steps.first_observation[s]; k < steps.first_observation[s + 1]; ++k) {
+      const Observation& o = steps.observations[static_cast<std::size_t>(k)];
+      if (seen_at.empty() || o.type >= type || o.contact()) continue;
+      const bool shown = std::ranges::any_of(seen_at[static_cast<std::size_t>(k)],
+                                             [&](double time_s) { return shown_at.contains(time_s); });
+      image.named.push_back({o.type, laid_out(o), shown});
+    }
+    if (!image.seen.empty() || !image.named.empty()) images->push_back(std::move(image));
   }
 }
 
-ImageLandmarks FindImageLandmarks(const std::vector<ImageObservations>& images, const ImageRules& rules) {
-  ImageClusters clusters(images, rules);
+ImageLandmarks FindImageLandmarks(const std::vector<ImageObservations>& images, const ImageRules& rules,
+                                  const std::vector<Point>& named) {
+  ImageClusters clusters(images, rules, named);
   for (int pass = 0; pass < kPasses; ++pass) {
     clusters.Pass(/*births=*/pass < kPasses / 2);
     clusters.MergeDoubles();

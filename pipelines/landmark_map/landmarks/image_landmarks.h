@@ -2,6 +2,7 @@
 // than one range-bearing observation is exact can still be told apart where one image shows them both.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "pipelines/landmark_map/landmarks/summary.h"
@@ -10,6 +11,13 @@
 
 namespace cairn::landmark_map {
 
+// Of a landmark that has a name.
+struct NamedInImage {
+  std::int32_t landmark;
+  Point position;
+  bool shown;  // in this very image; else a little earlier or later from the same step
+};
+
 // What a robot saw at one step, laid out from its most likely pose; `heading_rad` is where it looked.
 struct ImageObservations {
   Point from;
@@ -17,14 +25,16 @@ struct ImageObservations {
   std::vector<Point> seen;
   std::size_t robot = 0;
   std::vector<std::int32_t> observation;  // of each: its index in the robot's steps
+  std::vector<NamedInImage> named = {};   // besides, or alone
 };
 
 // Appends the images of a robot's range-bearing observations of `type`, contact detections left out. `steps`:
 // with the drift taken off that the poses have been estimated under. x_m, y_m, correction_rad: [S], a pose
-// and a heading correction a step.
+// and a heading correction a step. What has a name, a smaller type, comes along where `row_time_s`, the time
+// of each row of the log, is given; its `landmark` is the type.
 void AppendImages(const RobotSteps& steps, int type, std::size_t robot, const std::vector<double>& x_m,
                   const std::vector<double>& y_m, const std::vector<double>& correction_rad,
-                  std::vector<ImageObservations>* images);
+                  std::span<const double> row_time_s, std::vector<ImageObservations>* images);
 
 struct ImageRules {
   double sigma_m = 0.3;  // of a range-bearing observation's place: what the sensor errs, and the pose
@@ -33,9 +43,10 @@ struct ImageRules {
 };
 
 struct ImageLandmarks {
-  std::vector<Landmark> landmarks;                  // most observed first
-  std::vector<std::vector<std::int32_t>> landmark;  // [image][seen]: an index into them, or -1
-  std::vector<std::vector<double>> probability;     // of that, against the landmarks near by
+  std::vector<Landmark> landmarks;  // most observed first
+  std::vector<std::vector<std::int32_t>>
+      landmark;                                  // [image][seen]: an index into those with names, then them
+  std::vector<std::vector<double>> probability;  // of that, against the landmarks near by
 };
 
 // k-means in which an image shows no landmark twice and k is found. In turn: each image gives its
@@ -44,7 +55,10 @@ struct ImageLandmarks {
 // what is left over begins a landmark; landmarks move to the mean of what they got. Of two within three sigma
 // that are hardly ever in one image the rarer goes; so does, in the end, one all of whose range-bearing
 // observations (but for one in fifty) could be of others that their images do not show; and always one that
-// was seen only once, or in less than a tenth of the images that looked at it.
-ImageLandmarks FindImageLandmarks(const std::vector<ImageObservations>& images, const ImageRules& rules);
+// was seen only once, or in less than a tenth of the images that looked at it. `named`: landmarks with names,
+// which stay where they are, and to which observations without a name are given, too, where their image does
+// not show them by name: so one beside them that is hardly ever shown together with them goes.
+ImageLandmarks FindImageLandmarks(const std::vector<ImageObservations>& images, const ImageRules& rules,
+                                  const std::vector<Point>& named = {});
 
 }  // namespace cairn::landmark_map

@@ -229,6 +229,42 @@ int MostLikelyClass(const Landmark& landmark, const LayeredGrid& counts, double 
   return static_cast<int>(std::ranges::max_element(posterior) - posterior.begin());
 }
 
+// Takes what lies within core_m of the landmark out of a layer, and returns how much that is.
+double TakeDisc(const Landmark& landmark, const MapRules& rules, Layer* layer) {
+  const double x0 = landmark.x_m / rules.grid.cell_m, y0 = landmark.y_m / rules.grid.cell_m;
+  const double radius = rules.core_m / rules.grid.cell_m;
+  double taken = 0.0;
+  const Box centre{static_cast<int>(std::lround(x0)), static_cast<int>(std::lround(y0)), 1, 1};
+  const Box disc = Intersection(layer->box, centre.Grown(static_cast<int>(std::ceil(radius)) + 1));
+  for (int y = disc.y0; y < disc.y0 + disc.ny; ++y) {
+    for (int x = disc.x0; x < disc.x0 + disc.nx; ++x) {
+      if (std::hypot(x - x0, y - y0) > radius) continue;
+      taken += layer->Row(y)[x];
+      layer->Row(y)[x] = 0.0;
+    }
+  }
+  return taken;
+}
+
+// Of what was observed of a landmark that has a name.
+double NamedRadius(const MapRules& rules) {
+  return std::max(5.0 * rules.observation_m, 2.0 * rules.grid.cell_m);
+}
+
+// One that was hardly ever seen, so near to a landmark that has a name that it was most likely that one,
+// which is then given what it counts.
+bool IsOfNamed(const Landmark& landmark, const MapRules& rules, std::vector<Landmark>* landmarks) {
+  constexpr double kSeldom = 2.0;
+  if (landmark.count >= kSeldom) return false;
+  for (Landmark& named : *landmarks) {
+    if (named.type >= rules.types) break;
+    if (std::hypot(named.x_m - landmark.x_m, named.y_m - landmark.y_m) > NamedRadius(rules)) continue;
+    named.count += landmark.count;
+    return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::vector<Landmark> LandmarksIn(const Blob& blob, const MapRules& rules) {
@@ -251,15 +287,18 @@ std::vector<Landmark> ExtractLandmarks(const LayeredGrid& counts, const MapRules
   std::vector<Landmark> landmarks;
   for (int type = 0; type <= rules.types; ++type) {
     const bool identified = type < rules.types;
-    const Layer count = identified ? counts.layers[static_cast<std::size_t>(type)]
-                                   : CountsOfAllClasses(counts, type, rules.classes);
-    const double radius =
-        (identified ? std::max(5.0 * rules.observation_m, 2.0 * cell) : rules.core_m) / cell;
+    Layer count = identified ? counts.layers[static_cast<std::size_t>(type)]
+                             : CountsOfAllClasses(counts, type, rules.classes);
+    if (!identified && rules.partly_named) {
+      for (Landmark& named : landmarks) named.count += TakeDisc(named, rules, &count);
+    }
+    const double radius = (identified ? NamedRadius(rules) : rules.core_m) / cell;
     PeakFinder peaks(count, radius);
     while (peaks.Left() >= kLeastCount) {
       Landmark landmark;
       if (!peaks.Take(type, cell, &landmark)) break;
       if (landmark.count < kLeastCount) continue;  // peaks come by height, not by count
+      if (!identified && rules.partly_named && IsOfNamed(landmark, rules, &landmarks)) continue;
       if (!identified) landmark.landmark_class = MostLikelyClass(landmark, counts, radius, rules);
       landmarks.push_back(landmark);
       if (identified) break;
@@ -273,17 +312,10 @@ std::vector<double> LeaveOut(const Landmark& landmark, const MapRules& rules, La
   const bool identified = landmark.type < rules.types;
   const int first = identified ? landmark.type : rules.types;
   const int end = identified ? landmark.type + 1 : rules.layers();
-  const double x0 = landmark.x_m / rules.grid.cell_m, y0 = landmark.y_m / rules.grid.cell_m;
-  const double radius = rules.core_m / rules.grid.cell_m;
-  for (int l = first; l < end; ++l) {
-    Layer& layer = counts->layers[static_cast<std::size_t>(l)];
-    for (int y = layer.box.y0; y < layer.box.y0 + layer.box.ny; ++y) {
-      for (int x = layer.box.x0; x < layer.box.x0 + layer.box.nx; ++x) {
-        if (std::hypot(x - x0, y - y0) > radius) continue;
-        taken[static_cast<std::size_t>(l)] += layer.Row(y)[x];
-        layer.Row(y)[x] = 0.0;
-      }
-    }
+  for (int l = 0; l < rules.layers(); ++l) {
+    const bool may_be = (l >= first && l < end) || (rules.partly_named && l >= rules.types);
+    const auto at = static_cast<std::size_t>(l);
+    if (may_be) taken[at] = TakeDisc(landmark, rules, &counts->layers[at]);
   }
   return taken;
 }
@@ -296,7 +328,7 @@ Association Associate(const Layer& where, int type, const std::vector<Landmark>&
       double nearest = reach_m * reach_m;
       std::size_t winner = landmarks.size();
       for (std::size_t k = 0; k < landmarks.size(); ++k) {
-        if (landmarks[k].type != type) continue;
+        if (type != kOfAnyType && landmarks[k].type != type) continue;
         const double dx = x * cell_m - landmarks[k].x_m, dy = y * cell_m - landmarks[k].y_m;
         if (dx * dx + dy * dy >= nearest) continue;
         nearest = dx * dx + dy * dy;

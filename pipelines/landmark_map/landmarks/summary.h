@@ -48,11 +48,14 @@ struct Landmark {
 std::vector<Landmark> LandmarksIn(const Blob& blob, const MapRules& rules);
 
 // Identified landmarks: one a type, the mean around the mode. Others: peaks of the counts, strongest first,
-// each taking what lies within core_m of it; one with less than half an observation is none.
+// each taking what lies within core_m of it; one with less than half an observation is none. Where
+// observations are partly named those without identity that lie within core_m of an identified landmark are
+// that one's, and so are fewer than two of them that lie within what that one's own scatter over.
 std::vector<Landmark> ExtractLandmarks(const LayeredGrid& counts, const MapRules& rules);
 
 // Takes a landmark out of the counts, all within core_m of it, and returns how much it took of each layer. A
-// landmark without identity may have been taken for one of another class.
+// landmark without identity may have been taken for one of another class, and where observations are partly
+// named an identified one for one without.
 std::vector<double> LeaveOut(const Landmark& landmark, const MapRules& rules, LayeredGrid* counts);
 
 // For one observation whose landmark stands where `where` says (mass one): the landmark that is most likely
@@ -61,6 +64,8 @@ struct Association {
   int landmark = -1;
   double probability = 0.0;
 };
+// `type`: of those only that are of it; kOfAnyType: of all.
+constexpr int kOfAnyType = -1;
 Association Associate(const Layer& where, int type, const std::vector<Landmark>& landmarks, double cell_m,
                       double reach_m);
 

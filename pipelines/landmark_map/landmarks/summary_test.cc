@@ -183,5 +183,32 @@ TEST(Associate, TakesTheNearestLandmarkOfTheTypeWithinReach) {
   EXPECT_EQ(Associate(far, 0, landmarks, 1.0, 3.0).landmark, -1);
 }
 
+// Of the nameless observations two lie within the core of the landmark that has a name, three beside it.
+TEST(ExtractLandmarks, WhatHasNoNameIsTheNamedLandmarksThatItLiesOn) {
+  MapRules rules;
+  rules.grid = {1.0, 4};
+  rules.core_m = 2.5;
+  rules.types = 1;
+  LayeredGrid counts = Counts({{0, 0, 4}});
+  counts.layers.push_back(Counts({{1, 0, 2}, {6, 0, 3}}).layers[0]);
+  EXPECT_EQ(ExtractLandmarks(counts, rules).size(), 3U);
+  rules.partly_named = true;
+  const std::vector<Landmark> landmarks = ExtractLandmarks(counts, rules);
+  ASSERT_EQ(landmarks.size(), 2U);
+  EXPECT_EQ(landmarks[0].type, 0);
+  EXPECT_DOUBLE_EQ(landmarks[0].count, 6.0);
+  EXPECT_EQ(landmarks[1].type, 1);
+  EXPECT_DOUBLE_EQ(landmarks[1].x_m, 6.0);
+  rules.observation_m = 1.3;
+  EXPECT_EQ(ExtractLandmarks(counts, rules).size(), 2U) << "three are a landmark, wherever it stands";
+  counts.layers[1].Row(0)[6] = 1.9;
+  EXPECT_EQ(ExtractLandmarks(counts, rules).size(), 1U);
+  EXPECT_EQ(LeaveOut(landmarks[0], rules, &counts), (std::vector<double>{4.0, 2.0}));
+  Layer where(Box{1, 0, 1, 1});
+  where.values = {1.0};
+  EXPECT_EQ(Associate(where, 1, landmarks, 1.0, 3.0).landmark, -1);
+  EXPECT_EQ(Associate(where, kOfAnyType, landmarks, 1.0, 3.0).landmark, 0);
+}
+
 }  // namespace
 }  // namespace cairn::landmark_map

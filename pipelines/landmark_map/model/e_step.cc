@@ -188,9 +188,9 @@ int MotionMargin(const EStepModel& model, const RobotSteps& steps, int step) {
 LayeredGrid UniformStart(const EStepModel& model, const Slice& slice) {
   CAIRN_DEMAND(model.perception != nullptr, "a robot that starts anywhere needs a map");
   const RobotSteps& steps = slice.steps;
-  const std::vector<Layer>& tables = model.perception->likelihood.layers;
   int step = 0, known = 0;  // the first observation that the map can place
-  while (known < steps.first_observation.back() && tables[steps.observations[known].type].box.empty())
+  while (known < steps.first_observation.back() &&
+         model.perception->Of(steps.observations[known].type).box.empty())
     ++known;
   if (known == steps.first_observation.back())
     Refuse(slice, 0, "the map holds nothing of what the robot saw: it cannot be placed");

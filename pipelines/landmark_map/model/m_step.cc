@@ -79,9 +79,15 @@ Layer ExactLikelihood(const Layer& map, const MapRules& rules) {
   return likelihood;
 }
 
+// What an observation without identity may be of, as often as it was observed.
+Layer CountsOfWhatHasNoName(const LayeredGrid& counts, const MapRules& rules) {
+  if (!rules.partly_named) return CountsOfAllClasses(counts, rules.types, rules.classes);
+  return WeightedSum(counts, 0, std::vector<double>(counts.layers.size(), 1.0));
+}
+
 // Landmarks of all classes: where any is, then of which class it is.
 void AddClasses(const LayeredGrid& counts, const MapRules& rules, double least, LayeredGrid* map) {
-  const Layer count = CountsOfAllClasses(counts, rules.types, rules.classes);
+  const Layer count = CountsOfWhatHasNoName(counts, rules);
   if (!(count.Sum() > 0.0)) {
     map->layers.resize(static_cast<std::size_t>(rules.layers()));
     return;
@@ -108,6 +114,14 @@ void AddSeeming(const LayeredGrid& map, const MapRules& rules, Perception* perce
                                                           : WithNoLandmark(seeming, all, rules));
     perception->outside.push_back(rules.exact && !all.box.empty() ? 0.0 : false_one);
   }
+}
+
+// Identities that nobody has seen so far, where the first robot gives none: each may be any landmark's.
+void LookUpAmongAll(const MapRules& rules, Perception* perception) {
+  if (!rules.named_later || rules.classes.count > 1) return;
+  for (int layer = 0; layer < rules.layers(); ++layer)
+    perception->look_up.push_back(
+        perception->likelihood.layers[static_cast<std::size_t>(layer)].box.empty() ? rules.types : layer);
 }
 
 }  // namespace
@@ -141,6 +155,7 @@ Perception MakePerception(const LayeredGrid& map, const MapRules& rules) {
     perception.outside.push_back(eps);
   }
   AddSeeming(map, rules, &perception);
+  LookUpAmongAll(rules, &perception);
   return perception;
 }
 

@@ -12,8 +12,12 @@ namespace cairn::landmark_map {
 
 struct MapRules {
   GridSpec grid;
-  int types = 0;               // identities; the layers from `types` on hold the landmarks without one
-  ClassRules classes;          // of landmarks without one
+  int types = 0;       // identities; the layers from `types` on hold the landmarks without one
+  ClassRules classes;  // of landmarks without one
+  // Some observations have an identity and some have none: the last layers are then of all landmarks, for one
+  // without may be of any.
+  bool partly_named = false;
+  bool named_later = false;    // and the first robot's have none
   double observation_m = 0.3;  // sd of where an observed landmark stands relative to the robot, an axis
   double radius_m = 10.0;      // perceptual radius of landmarks without identity
   double core_m = 2.0;         // landmarks nearer than this to each other are one: no no-landmark evidence
@@ -30,7 +34,8 @@ LayeredGrid NoCounts(const MapRules& rules);
 
 // P(m_xy = l) for each layer. Identified landmarks: c / sum of c, each stands in one place. Others: c / (c +
 // c* + prior_count), c* the counts within the perceptual radius except the cell's own: times something was
-// observed there, of any class, and split among the classes. Boxes end where the map says less than a
+// observed there, of any class, and split among the classes; where observations are partly named, of any
+// landmark, for what has no name may be one that others name. Boxes end where the map says less than a
 // thousandth of what a false observation says: else a robot that may start anywhere would search, and so
 // fill, a larger box every round.
 LayeredGrid MapFromCounts(const LayeredGrid& counts, const MapRules& rules);

@@ -131,5 +131,32 @@ TEST(MakePerception, ALandmarkNeverSeenSaysNothing) {
   EXPECT_GT(perception.outside[0], 0.0);
 }
 
+// Layer 0 has a name, layer 1 has none. 3 and 1 observations of the cell are 4 of it, 4 of the 6 within the
+// radius; the layer with the name is the share of its own.
+TEST(MapFromCounts, WhatHasNoNameMayBeWhatOthersName) {
+  LayeredGrid counts = Points(2, 0, {{5, 5, 3}, {15, 15, 1}});
+  counts.layers[1] = Points(2, 1, {{5, 5, 1}, {7, 5, 2}}).layers[1];
+  MapRules rules = Rules(1);
+  EXPECT_DOUBLE_EQ(MapFromCounts(counts, rules).layers[1].At(5, 5), 1.0 / 3.0);
+  rules.partly_named = true;
+  const LayeredGrid map = MapFromCounts(counts, rules);
+  EXPECT_DOUBLE_EQ(map.layers[0].At(5, 5), 3.0 / 4.0);
+  EXPECT_DOUBLE_EQ(map.layers[1].At(5, 5), 4.0 / 6.0);
+  EXPECT_DOUBLE_EQ(map.layers[1].At(7, 5), 2.0 / 6.0);
+  EXPECT_DOUBLE_EQ(map.layers[1].At(15, 15), 1.0);
+}
+
+TEST(MakePerception, ANameThatNobodyHasGivenSoFarMayBeAnyLandmarks) {
+  MapRules rules = Rules(2);
+  const LayeredGrid map = MapFromCounts(Points(3, 2, {{5, 5, 4}}), rules);
+  EXPECT_TRUE(MakePerception(map, rules).Of(0).box.empty());
+  rules.partly_named = rules.named_later = true;
+  const Perception perception = MakePerception(map, rules);
+  EXPECT_EQ(perception.LayerOf(0), 2U);
+  EXPECT_GT(perception.Of(0).At(5, 5), 100.0 * perception.OutsideOf(0));
+  LayeredGrid counts = Points(3, 1, {{5, 5, 4}});
+  EXPECT_EQ(MakePerception(MapFromCounts(counts, rules), rules).LayerOf(1), 1U);
+}
+
 }  // namespace
 }  // namespace cairn::landmark_map

@@ -56,11 +56,13 @@ void MultiplyByLookup(const Layer& table, const Offset& offset, Layer* layer) {
 void Perception::Check(int layers) const {
   RequireSize("likelihood", likelihood.layers.size(), static_cast<std::size_t>(layers));
   RequireSize("outside", outside.size(), likelihood.layers.size());
+  if (!look_up.empty()) RequireSize("look_up", look_up.size(), likelihood.layers.size());
+  RequireAllWithin("look_up", look_up, std::int64_t{0}, std::int64_t{layers} - 1);
 }
 
 Box PlacesThatSee(const Observation& observation, const GridSpec& grid, const Perception& perception,
                   int layer) {
-  const Box& table = perception.likelihood.layers[observation.type].box;
+  const Box& table = perception.Of(observation.type).box;
   if (table.empty()) return {};
   const Offset offset = OffsetOf(observation, grid, layer);
   Box places = table.Shifted(-offset.dx - 1, -offset.dy - 1);
@@ -71,9 +73,9 @@ Box PlacesThatSee(const Observation& observation, const GridSpec& grid, const Pe
 
 void Observe(const Observation& observation, const GridSpec& grid, const Perception& perception,
              LayeredGrid* belief) {
-  const Layer& table = perception.likelihood.layers[observation.type];
+  const Layer& table = perception.Of(observation.type);
   if (table.box.empty()) return;  // never seen so far: says nothing
-  const double outside = perception.outside[observation.type];
+  const double outside = perception.OutsideOf(observation.type);
   for (int c = 0; c < grid.headings; ++c) {
     Layer& layer = belief->layers[c];
     if (layer.box.empty()) continue;

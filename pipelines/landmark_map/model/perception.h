@@ -19,11 +19,21 @@ struct GridSpec {
 struct Perception {
   LayeredGrid likelihood;
   std::vector<double> outside;
+  // [types]: the layer to look a type up in; empty: each has its own.
+  std::vector<std::int32_t> look_up;
+
+  std::size_t LayerOf(int type) const {
+    const auto own = static_cast<std::size_t>(type);
+    return look_up.empty() ? own : static_cast<std::size_t>(look_up[own]);
+  }
+  const Layer& Of(int type) const { return likelihood.layers[LayerOf(type)]; }
+  double OutsideOf(int type) const { return outside[LayerOf(type)]; }
   // Throws InputError where it is none of so many layers.
   void Check(int layers) const;
   static void Fields(const auto& field) {
     field("likelihood", &Perception::likelihood);
     field("outside", &Perception::outside);
+    field("look_up", &Perception::look_up);
   }
 };
 

@@ -166,7 +166,10 @@ class StepPlanner {
   if (std::ranges::none_of(shared, std::identity{}))
     throw InputError("the first robot has no observations: robot '" + name +
                      "' cannot be placed in its map; leave the first robot's rows out of the odometry");
-  throw InputError("robot '" + name + "' has seen nothing that the first robot saw too: it cannot be placed");
+  throw InputError(
+      "robot '" + name +
+      "' has seen nothing that the first robot saw too: it cannot be placed; landmarks that both "
+      "saw need the same names, two at least, or none. Or map each robot by itself");
 }
 
 }  // namespace

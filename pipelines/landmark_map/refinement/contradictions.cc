@@ -56,6 +56,25 @@ std::string SeenByTwo(const kinds::Log& log) {
   return text;
 }
 
+// Where some robots give names, and this one and the first do not both give two: what is missing.
+std::string NamesMissing(const kinds::Log& log, std::size_t robot) {
+  constexpr std::size_t kEnough = 2;
+  std::set<std::int32_t> first, both;
+  bool any = false;
+  for (std::size_t r = 0; r < log.robot.size(); ++r) {
+    for (const std::int32_t k : log.robot[r].observations.landmark.OrNone()) {
+      any |= k >= 0;
+      if (k >= 0 && r == 0) first.insert(k);
+      if (k >= 0 && r == robot && first.contains(k)) both.insert(k);
+    }
+  }
+  if (!any || both.size() >= kEnough) return "";
+  return " Names would tell: '" + log.robots[0] + "' and '" + log.robots[robot] + "' name " +
+         (both.empty() ? "no landmark" : "only one landmark") +
+         " in common, so that only where landmarks stand could place it. Give two landmarks at least that "
+         "both saw the same names, or map each robot by itself.";
+}
+
 }  // namespace
 
 std::vector<InTwoPlaces> LandmarksInTwoPlaces(const LayeredGrid& counts, const MapRules& rules,
@@ -109,9 +128,8 @@ void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
   for (std::size_t r = 1; r < robots.size(); ++r) {
     double all_false = 0.0, count = 0.0;
     for (const Observation& seen : steps[r].observations) {
-      const auto type = static_cast<std::size_t>(seen.type);
-      if (perception.likelihood.layers[type].box.empty()) continue;
-      all_false += std::log(perception.outside[type]);
+      if (perception.Of(seen.type).box.empty()) continue;
+      all_false += std::log(perception.OutsideOf(seen.type));
       ++count;
     }
     const double gain = sum.log_likelihood_of(r) - all_false;
@@ -122,7 +140,8 @@ void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
         "' fits nowhere into the first robot's map: its %.0f observations are %.1f nats likelier there "
         "than if every one were false; was it ever where the first robot was?",
         count, gain);
-    throw RobotsContradictError("robot '" + robots[r] + text + kCausesOfErrors + HolesIn(log));
+    throw RobotsContradictError("robot '" + robots[r] + text + NamesMissing(Read<kinds::Log>(log), r) +
+                                kCausesOfErrors + HolesIn(log));
   }
 }
 

@@ -228,7 +228,9 @@ Submap SubmapOf(const std::vector<std::span<const PlacedRow>>& rows) {
     AddLooks(robot, &submap);
     for (const PlacedRow& row : robot) {
       if (row.landmark < 0) continue;
-      Submap::Seen& sum = sums.try_emplace(row.landmark, Submap::Seen{0, 0, row.landmark, 0}).first->second;
+      Submap::Seen& sum =
+          sums.try_emplace(row.landmark, Submap::Seen{0, 0, row.landmark, 0, false}).first->second;
+      sum.told |= row.told;
       const double ray = row.from.heading_rad + row.bearing_rad;
       sum.x_m += row.from.x_m + row.range_m * std::cos(ray);
       sum.y_m += row.from.y_m + row.range_m * std::sin(ray);
@@ -238,7 +240,7 @@ Submap SubmapOf(const std::vector<std::span<const PlacedRow>>& rows) {
   for (const auto& [landmark, sum] : sums) {
     if (sum.count < kLeast) continue;
     const auto count = static_cast<double>(sum.count);
-    submap.landmarks.push_back({sum.x_m / count, sum.y_m / count, landmark, sum.count});
+    submap.landmarks.push_back({sum.x_m / count, sum.y_m / count, landmark, sum.count, sum.told});
   }
   double images = 0;
   for (const std::span<const PlacedRow> robot : rows)

@@ -20,6 +20,7 @@ struct PlacedRow {
   Pose from = {};
   double range_m = 0, bearing_rad = 0;
   std::int32_t landmark = -1;  // which it is of; -1: none
+  bool told = true;            // by its name, where the landmark has one
 };
 
 // What some robots, or one for some time, saw.
@@ -28,6 +29,7 @@ struct Submap {
     double x_m, y_m;
     std::int32_t landmark;
     std::int64_t count;  // observations
+    bool told = true;    // some of them by the name, where it has one
   };
   // How far and where a robot sees, by the ranges and bearings of what it saw.
   struct View {

@@ -21,13 +21,13 @@ Submap SubmapOfRobots(const Rows& rows, const Robots& robots) {
   return SubmapOf(of);
 }
 
-// Names of two landmarks or more say how two submaps lie to one another.
+// Names of two landmarks or more that both have given say how two submaps lie to one another.
 bool NamesInCommon(const Submap& one, const Submap& base, const std::vector<bool>& named) {
   constexpr std::int64_t kEnough = 2;
   return std::ranges::count_if(one.landmarks, [&](const Submap::Seen& seen) {
-           return named[static_cast<std::size_t>(seen.landmark)] &&
-                  std::ranges::find(base.landmarks, seen.landmark, &Submap::Seen::landmark) !=
-                      base.landmarks.end();
+           if (!named[static_cast<std::size_t>(seen.landmark)] || !seen.told) return false;
+           const auto other = std::ranges::find(base.landmarks, seen.landmark, &Submap::Seen::landmark);
+           return other != base.landmarks.end() && other->told;
          }) >= kEnough;
 }
 
@@ -76,6 +76,8 @@ std::vector<Landmark> Joined(const Submap& one, const Submap& base, const Placin
     both.x_m += share * (moved.x_m - both.x_m);
     both.y_m += share * (moved.y_m - both.y_m);
     both.count += static_cast<double>(seen.count);
+    // A name, where one side gives it.
+    both.type = std::min(both.type, landmarks[static_cast<std::size_t>(seen.landmark)].type);
   }
   return joined;
 }
@@ -126,7 +128,8 @@ Rows PlacedRows(const kinds::Log& log, const JointRefinement& refined,
                            {at.x_m, at.y_m, at.heading_rad},
                            seen.range_m[i] - refined.paths[r].errors().range_m,
                            seen.bearing_rad[i],
-                           rows[r].landmark[i]});
+                           rows[r].landmark[i],
+                           seen.landmark[i] >= 0});
     }
   }
   return placed;

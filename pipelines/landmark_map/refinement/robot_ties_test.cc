@@ -38,6 +38,14 @@ TEST(TiesOfRobots, NamesOfTwoLandmarksSayWhereItIs) {
   EXPECT_FALSE(ties[1].lead_nats.has_value());
 }
 
+// What a robot saw is of landmarks with names, but it gave none itself.
+TEST(TiesOfRobots, NamesThatOneSideAloneGivesSayNothing) {
+  std::vector<PlacedRow> untold = DriveThroughRoom(1, 0, 4);
+  for (PlacedRow& row : untold) row.told = false;
+  const auto ties = TiesOfRobots({DriveThroughRoom(1), untold}, kNames, kTieSigma);
+  EXPECT_GT(ties[1].lead_nats.value(), kTiedNats);
+}
+
 TEST(PlacedAnew, ARobotGoesWhereItsLandmarksAgree) {
   const std::vector<PlacedRow> right = DriveThroughRoom(1);
   EXPECT_FALSE(PlacedAnew({right, DriveThroughRoom(1, 0, 4)}, Nameless(), 0, kTieSigma).has_value());

@@ -92,17 +92,19 @@ std::vector<bool> WithoutDoubles(const std::vector<Landmark>& landmarks, int nam
       }
     }
   }
+  const auto is_named = [&](std::size_t l) { return landmarks[l].type < names; };
   std::vector<bool> keep(n, true);
   for (std::size_t a = 0; a < n; ++a) {
-    if (landmarks[a].type < names) continue;
-    keep[a] = keep[a] && count[a] >= kLeast;
+    if (!is_named(a)) keep[a] = keep[a] && count[a] >= kLeast;
     for (std::size_t b = a + 1; b < n; ++b) {
-      if (landmarks[b].type < names || !keep[a] || !keep[b]) continue;
+      if ((is_named(a) && is_named(b)) || !keep[a] || !keep[b]) continue;
       if (std::hypot(landmarks[a].x_m - landmarks[b].x_m, landmarks[a].y_m - landmarks[b].y_m) > reach_m)
         continue;
-      const auto rarer = static_cast<double>(std::min(count[a], count[b]));
-      if (static_cast<double>(together[a * n + b]) <= kTogether * rarer)
-        keep[count[a] < count[b] ? a : b] = false;
+      // That which may go.
+      const bool is_a = is_named(b) || (!is_named(a) && count[a] < count[b]);
+      const auto rarer = static_cast<double>(is_named(a) || is_named(b) ? count[is_a ? a : b]
+                                                                        : std::min(count[a], count[b]));
+      if (static_cast<double>(together[a * n + b]) <= kTogether * rarer) keep[is_a ? a : b] = false;
     }
   }
   return keep;

@@ -64,7 +64,7 @@ TEST(RowsSeenFrom, GivesEveryImageItsLandmarksOnce) {
 // image shows both; the fifth has one row; the sixth is named.
 TEST(WithoutDoubles, JoinsWhatNoImageShowsTwice) {
   std::vector<Landmark> landmarks{LandmarkAt(6.1, 0), LandmarkAt(5, 0), LandmarkAt(5.2, 0),
-                                  LandmarkAt(5.7, 0), LandmarkAt(9, 9), LandmarkAt(5.2, 0)};
+                                  LandmarkAt(5.7, 0), LandmarkAt(9, 9), LandmarkAt(20, 0)};
   for (std::size_t l = 0; l + 1 < landmarks.size(); ++l) landmarks[l].type = 1;
   const kinds::Log::Observations seen = Rows({1, 1, 2, 2, 3, 3, 4, 5}, std::vector<double>(8, 1.0),
                                              std::vector<double>(8, 0.0), std::vector<std::int32_t>(8, -1));
@@ -73,6 +73,19 @@ TEST(WithoutDoubles, JoinsWhatNoImageShowsTwice) {
   more.landmark = {3, 2, 3, 0, 5, -1, 1, -1};
   EXPECT_EQ(WithoutDoubles(landmarks, 1, {&seen, &seen}, {rows, more}, 0.6),
             (std::vector<bool>{true, true, false, true, false, true}));
+}
+
+// The first two have names and stay, as near as they are; the third goes, for no image shows it with them;
+// the fourth stays, for images show it beside the first.
+TEST(WithoutDoubles, WhatHasNoNameGoesWhereItMayBeWhatHasOne) {
+  std::vector<Landmark> landmarks{LandmarkAt(5, 0), LandmarkAt(4.5, 0), LandmarkAt(5.2, 0),
+                                  LandmarkAt(5.4, 0)};
+  landmarks[1].type = 1;
+  landmarks[2].type = landmarks[3].type = 2;
+  const kinds::Log::Observations seen = Rows({1, 2, 3, 3, 4, 4, 5}, std::vector<double>(7, 1.0),
+                                             std::vector<double>(7, 0.0), std::vector<std::int32_t>(7, -1));
+  const RowAssociations rows{{2, 2, 0, 3, 0, 3, 1}, std::vector<double>(7, 1.0)};
+  EXPECT_EQ(WithoutDoubles(landmarks, 2, {&seen}, {rows}, 0.6), (std::vector<bool>{true, true, false, true}));
 }
 
 }  // namespace

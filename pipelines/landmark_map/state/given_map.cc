@@ -6,6 +6,8 @@
 #include <cmath>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "schema/kinds/landmark_map.h"
 
@@ -115,6 +117,21 @@ std::vector<Landmark> LandmarksOf(const kinds::LandmarkMap& of, const std::vecto
   return landmarks;
 }
 
+// A landmark that the map names is one, too, of which an observation without a name may be.
+void AddNamed(const MapRules& rules, LayeredGrid* map) {
+  const Layer named = WeightedSum(*map, 0, std::vector<double>(static_cast<std::size_t>(rules.types), 1.0));
+  for (int k = rules.types; k < rules.layers(); ++k) {
+    Layer& layer = map->layers[static_cast<std::size_t>(k)];
+    layer.Cover(named.box);
+    for (int y = named.box.y0; y < named.box.y0 + named.box.ny; ++y) {
+      for (int x = named.box.x0; x < named.box.x0 + named.box.nx; ++x) {
+        const double here = std::min(1.0, named.Row(y)[x]) / rules.classes.count;
+        layer.Row(y)[x] = std::max(std::as_const(layer).Row(y)[x], here);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 GivenMap ReadGivenMap(const Blob& blob, const Blob& log, const Settings& settings) {
@@ -135,6 +152,7 @@ GivenMap ReadGivenMap(const Blob& blob, const Blob& log, const Settings& setting
     given.map.layers[static_cast<std::size_t>(types[k])] =
         Resample(cells.subspan(k * area, area), source, settings.map.grid.cell_m);
   }
+  if (settings.map.partly_named) AddNamed(settings.map, &given.map);
   given.landmarks = LandmarksOf(map, types);
   Box box;
   for (const Layer& layer : given.map.layers) box = Union(box, layer.box);
@@ -170,8 +188,7 @@ void CheckLikelihood(double log_likelihood, const Perception& perception,
   double all_false = 0.0;
   for (const RobotSteps& steps : robots) {
     for (const Observation& seen : steps.observations) {
-      const auto type = static_cast<std::size_t>(seen.type);
-      if (!perception.likelihood.layers[type].box.empty()) all_false += std::log(perception.outside[type]);
+      if (!perception.Of(seen.type).box.empty()) all_false += std::log(perception.OutsideOf(seen.type));
     }
   }
   if (log_likelihood > all_false) return;

@@ -60,8 +60,10 @@ void PartialBuilder::AddAssociations(int step, const LayeredGrid& belief) {
     where.layers.resize(static_cast<std::size_t>(seen.type) + 1);
     Count(seen, rules.grid, belief, &where);
     const double reach = ReachOf(seen.type);
-    const Association a = Associate(where.layers[seen.type], std::min(seen.type, rules.types), *landmarks_,
-                                    rules.grid.cell_m, reach);
+    const bool of_any = rules.partly_named && seen.type >= rules.types;
+    const Association a =
+        Associate(where.layers[seen.type], of_any ? kOfAnyType : std::min(seen.type, rules.types),
+                  *landmarks_, rules.grid.cell_m, reach);
     const auto at = static_cast<std::size_t>(k - steps.first_observation[slice_.first]);
     association_[at] = a.landmark;
     association_probability_[at] = a.probability;

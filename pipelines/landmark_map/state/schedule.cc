@@ -9,7 +9,7 @@ namespace cairn::landmark_map {
 
 std::int64_t IterationsApart(const Settings& settings) {
   constexpr std::int64_t kApart = 5;
-  return settings.gauge_free && settings.map.types == 0 ? kApart : 0;
+  return settings.gauge_free && (settings.map.types == 0 || settings.joins_by_geometry) ? kApart : 0;
 }
 
 Schedule Schedule::Load(const State& state, std::size_t all_robots) {

@@ -82,7 +82,8 @@ TEST(Schedule, RobotsAreApartWhereLandmarksAreSeenAtADistanceAndHaveNoNames) {
   EXPECT_GT(IterationsApart(settings), 0);
   settings.map.types = 2;
   EXPECT_EQ(IterationsApart(settings), 0);
-  settings.map.types = 0;
+  settings.joins_by_geometry = true;
+  EXPECT_GT(IterationsApart(settings), 0);
   settings.gauge_free = false;
   EXPECT_EQ(IterationsApart(settings), 0);
 }

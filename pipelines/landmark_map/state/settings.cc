@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,8 @@ void VisitSettings(S& s, const F& f) {
   f("headings", s.map.grid.headings);
   f("types", s.map.types);
   f("classes", s.map.classes.count);
+  f("partly_named", s.map.partly_named);
+  f("named_later", s.map.named_later);
   f("observation_m", s.map.observation_m);
   f("radius_m", s.map.radius_m);
   f("core_m", s.map.core_m);
@@ -58,6 +61,7 @@ void VisitSettings(S& s, const F& f) {
   f("growth_start", s.growth_start);
   f("growth_factor", s.growth_factor);
   f("gauge_free", s.gauge_free);
+  f("joins_by_geometry", s.joins_by_geometry);
   f("incremental", s.incremental);
   f("starts", s.starts);
   f("alike", s.alike);
@@ -181,6 +185,22 @@ ClassRules LandmarkClassesOf(const kinds::Log& log) {
   return classes;
 }
 
+std::set<std::int32_t> NamesOf(const kinds::Log::Robot& robot) {
+  std::set<std::int32_t> names;
+  for (const std::int32_t landmark : robot.observations.landmark.OrNone())
+    if (landmark >= 0) names.insert(landmark);
+  return names;
+}
+
+// Whether names do not say where some robot is in the first one's map: two do.
+bool AnyJoinsByGeometry(const kinds::Log& log) {
+  constexpr std::ptrdiff_t kEnough = 2;
+  const std::set<std::int32_t> first = NamesOf(log.robot[0]);
+  return std::any_of(log.robot.begin() + 1, log.robot.end(), [&](const kinds::Log::Robot& robot) {
+    return std::ranges::count_if(NamesOf(robot), [&](std::int32_t k) { return first.contains(k); }) < kEnough;
+  });
+}
+
 // What other sensors than buttons have in view nobody knows without the walls; a landmark that has a name is
 // there.
 Detection DetectionOf(const kinds::Log& log, const Sensing& sensing) {
@@ -297,6 +317,9 @@ Settings ResolveWith(const Options& options, const Seen& seen, int starts) {
   const double step_rad = 2.0 * std::numbers::pi / grid.headings;
   settings.map.types = static_cast<int>(log.landmarks.size());
   settings.map.classes = LandmarkClassesOf(log);
+  settings.map.partly_named = sensing.identified > 0 && sensing.identified < sensing.observations;
+  settings.map.named_later = settings.map.partly_named && NamesOf(log.robot[0]).empty();
+  settings.joins_by_geometry = settings.map.partly_named && AnyJoinsByGeometry(log);
   if (options.model == "exact" && settings.map.classes.count > 1)
     throw InputError("model exact is for landmarks that look alike; this log has types: take robust");
   const double bearing = bearing_sd + step_rad / std::sqrt(12.0);

@@ -27,11 +27,12 @@ struct Settings {
   double box_m = 0.0;
   double growth_start = 1.0;
   double growth_factor = 2.0;
-  bool gauge_free = false;   // the first robot, too, starts anywhere once others have joined
-  bool incremental = false;  // what is found is not looked at again
-  int starts = 1;            // candidate starts
-  double alike = 0.99;       // maps that say the same of so many observations are one
-  double places = 1.0;       // cells in which a landmark may stand
+  bool gauge_free = false;         // the first robot, too, starts anywhere once others have joined
+  bool joins_by_geometry = false;  // some robot, for want of names, though others give some
+  bool incremental = false;        // what is found is not looked at again
+  int starts = 1;                  // candidate starts
+  double alike = 0.99;             // maps that say the same of so many observations are one
+  double places = 1.0;             // cells in which a landmark may stand
   double memory_mb = 4096.0;
 
   EStepModel Model(const Perception* perception) const;

@@ -217,5 +217,33 @@ TEST(Resolve, TheFirstIterationUsesTheWayOnWhichOdometryCanBeTrusted) {
   EXPECT_EQ(Resolve({.cell_m = 1.0}, log).growth_start, 1.0);
 }
 
+// Of robots 'one' and 'two', who each name so many corners and leave the other names out.
+Settings PartlyNamed(int one, int two) {
+  Blob log = SquareLog{.ranged = true, .identified = true}.Make();
+  log.Put("robots", Array::Texts({"one", "two"}));
+  log.PutAll("robot/1/", log.Sub("robot/0/"));
+  for (const std::string robot : {"robot/0/", "robot/1/"}) {
+    std::vector<std::int32_t> names;
+    for (const std::int32_t k : log.Get<std::int32_t>(robot + "observations/landmark"))
+      names.push_back(k < (robot == "robot/0/" ? one : two) ? k : -1);
+    log.PutVector(robot + "observations/landmark", names);
+  }
+  return Resolve({}, log);
+}
+
+TEST(Resolve, TellsWhereNamesAreMissing) {
+  EXPECT_FALSE(PartlyNamed(4, 4).map.partly_named);
+  EXPECT_FALSE(PartlyNamed(0, 0).map.partly_named);
+  EXPECT_FALSE(PartlyNamed(0, 0).joins_by_geometry);
+  EXPECT_TRUE(PartlyNamed(3, 4).map.partly_named);
+  EXPECT_FALSE(PartlyNamed(3, 4).joins_by_geometry);
+  EXPECT_TRUE(PartlyNamed(4, 1).joins_by_geometry);
+  EXPECT_FALSE(PartlyNamed(4, 0).map.named_later);
+  const Settings later = PartlyNamed(0, 4);
+  EXPECT_TRUE(later.map.named_later);
+  EXPECT_TRUE(later.joins_by_geometry);
+  EXPECT_TRUE(Settings::FromBlob(later.ToBlob()).map.named_later);
+}
+
 }  // namespace
 }  // namespace cairn::landmark_map
