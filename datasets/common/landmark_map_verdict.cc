@@ -206,7 +206,7 @@ Verdict::Doubt OfPlaces(const kinds::LandmarkMap& map, Verdict* verdict) {
       Confidence::kLow,
       fmt::format("where {} is in the map of the others is uncertain: {} landmarks in common, {} that one "
                   "side alone has seen though the other looked there, {:.1f} nats {} the next place or none; "
-                  "the path of each robot alone may be right",
+                  "two landmarks that both name would tell; the path of each robot alone may be right",
                   loose, shared, one_sided, std::abs(least_nats), least_nats < 0 ? "behind" : "ahead of")};
 }
 

@@ -255,7 +255,8 @@ TEST(LandmarkMapVerdict, ARobotWhosePlaceIsUncertainIsNamed) {
   EXPECT_EQ(loose.trust, Confidence::kLow);
   EXPECT_NE(loose.why.find("; where rob1 is in the map of the others is uncertain: 3 landmarks in common, 11 "
                            "that one side alone has seen though the other looked there, 25.6 nats behind the "
-                           "next place or none; the path of each robot alone may be right"),
+                           "next place or none; two landmarks that both name would tell; the path of each "
+                           "robot alone may be right"),
             std::string::npos)
       << loose.why;
   EXPECT_NE(WithLeads({5.0, 40.0, 9.9}).why.find("where rob0, rob2 is in"), std::string::npos);
