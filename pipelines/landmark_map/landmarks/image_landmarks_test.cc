@@ -115,9 +115,9 @@ TEST(FindImageLandmarks, ANameNowAndThenMakesNoDouble) {
 // images of its own, shows what has no name, those that show names alone say nothing of it.
 TEST(FindImageLandmarks, ImagesThatShowNamesAloneLookedThereTooWhereTheSensorIsTheSame) {
   for (const bool same_sensor : {true, false}) {
-    std::vector<ImageObservations> images = ImagesOf({{1.0, 0.0}}, 60);
+    std::vector<ImageObservations> images = ImagesOf({{1.0, 0.0}}, 120);
     for (std::size_t i = 0; i < images.size(); ++i) {
-      const bool comes_by = i % 15 == 0;
+      const bool comes_by = i % 30 == 0;
       images[i].named = {{0, images[i].seen[0], same_sensor || !comes_by}};
       images[i].seen.clear();
       if (comes_by) images[i].seen = {{0.0, -0.5}};
