@@ -101,7 +101,7 @@ double ScoreOfAll(const Blob& result, const Settings& settings) {
 }  // namespace
 
 std::vector<std::size_t> FirstRobots(const Options& options, const Inputs& inputs) {
-  constexpr std::size_t kTried = 2;
+  constexpr std::size_t kByDefault = 2;
   if (inputs.Has("map") || options.incremental || options.iterations == 0) return {0};
   const Blob& blob = *inputs.Get("log");
   const Settings settings = Resolve(options, blob);
@@ -115,7 +115,10 @@ std::vector<std::size_t> FirstRobots(const Options& options, const Inputs& input
       ranks.emplace_back(-std::ssize(steps.observations), steps.DistanceTravelled().back(), r);
   }
   std::ranges::sort(ranks);
-  const std::size_t most = options.first_robots > 0 ? static_cast<std::size_t>(options.first_robots) : kTried;
+  // Of more, two that look much need not be better than the log's first (EXPERIMENTS.md).
+  const std::size_t by_default = ranks.size() == kByDefault ? kByDefault : 1;
+  const std::size_t most =
+      options.first_robots > 0 ? static_cast<std::size_t>(options.first_robots) : by_default;
   if (most == 1 || ranks.empty()) return {0};
   std::vector<std::size_t> robots;
   for (std::size_t k = 0; k < std::min(most, ranks.size()); ++k) robots.push_back(std::get<2>(ranks[k]));

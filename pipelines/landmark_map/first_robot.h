@@ -1,6 +1,6 @@
 // Which robot comes first, where several see landmarks at a distance that have no names: the others are
-// placed in its map, and where that is wrong they do not put it right. So two are tried, one after the other,
-// and the likelier map of all is kept: the order of the robots in the log does not decide.
+// placed in its map, and where that is wrong they do not put it right. So both of two are tried, one after
+// the other, and the likelier map of all is kept: their order in the log does not decide.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,10 @@
 
 namespace cairn::landmark_map {
 
-// The robots that are tried, as many as `first_robots` says: those that looked at most from different
-// frames, of equals those that came the shorter way. The log's first alone where there is nothing to choose:
-// landmarks that have names, contact detections, a given map, EM that starts once.
+// The robots that are tried, as many as `first_robots` says (0: both of two, of more the log's first): those
+// that looked at most from different frames, of equals those that came the shorter way. The log's first
+// alone, too, where there is nothing to choose: landmarks that have names, contact detections, a given map,
+// EM that starts once.
 std::vector<std::size_t> FirstRobots(const Options& options, const Inputs& inputs);
 
 // The stage's inputs, in whose log one robot comes before the others. Refers to `inputs`.

@@ -114,7 +114,8 @@ void VisitOptions(V& visit, Options& o) {
           "first_robots", "", 0, 1000,
           "robots that are tried as the first, in whose map the others are placed, where landmarks seen at a "
           "distance have no names and EM starts more than once: those that looked from most places; the "
-          "likelier map of all robots is kept; 0: two; 1: the log's first alone"},
+          "likelier map of all robots is kept; 0: both of two robots, of more the log's first; 1: the log's "
+          "first"},
       o.first_robots);
   visit(Option{"start",
                "",
