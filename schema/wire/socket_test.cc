@@ -112,7 +112,11 @@ TEST(Socket, ADealerLeavesAConnectionThroughWhichNothingComes) {
   relay.stalled = true;
   ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kDisconnected);
   relay.stalled = false;
-  ASSERT_EQ(AwaitEvent(dealer), LinkEvent::kConnected);
+  // It may have tried again while nothing came through, and gives that up first.
+  std::optional<LinkEvent> next;
+  while ((next = AwaitEvent(dealer)) == LinkEvent::kDisconnected) {
+  }
+  EXPECT_EQ(next, LinkEvent::kConnected);
 }
 
 TEST(Socket, SendingToAnUnknownPeerSaysSo) {
