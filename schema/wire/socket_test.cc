@@ -93,7 +93,8 @@ TEST(Socket, WhatADealerDoesNotTakeHasABound) {
     ASSERT_TRUE(received && received->status.ok()) << i;
     EXPECT_EQ(received->message.blobs.size(), 1U);
   }
-  for (int waited_ms = 0; waited_ms < 20'000 && router.Unsent(hello->peer) > 0; waited_ms += 10)
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (router.Unsent(hello->peer) > 0 && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_EQ(router.Unsent(hello->peer), 0U);
 }
