@@ -10,13 +10,13 @@
 namespace cairn::worker {
 namespace {
 
-wire::NamedBlob BlobOf(int value) {
+wire::NamedBlob InputOf(int value) {
   Blob blob;
   blob.PutScalar<std::int32_t>("v", value);
   return wire::NameBlob(std::make_shared<const Blob>(std::move(blob)));
 }
 
-wire::Assign RunTask(std::uint32_t index, const std::vector<wire::NamedBlob>& inputs) {
+wire::Assign RunOf(std::uint32_t index, const std::vector<wire::NamedBlob>& inputs) {
   wire::Assign assign;
   assign.mutable_key()->set_job("j");
   assign.mutable_key()->set_task(index);
@@ -25,7 +25,7 @@ wire::Assign RunTask(std::uint32_t index, const std::vector<wire::NamedBlob>& in
   return assign;
 }
 
-wire::Assign AdvanceTask(const std::vector<wire::NamedBlob>& partials) {
+wire::Assign AdvanceOf(const std::vector<wire::NamedBlob>& partials) {
   wire::Assign assign;
   assign.mutable_key()->set_job("j");
   assign.mutable_key()->set_kind(wire::TaskKey::ADVANCE);
@@ -45,10 +45,10 @@ class TaskQueueTest : public ::testing::Test {
 };
 
 TEST_F(TaskQueueTest, ABlobThatTwoTasksNeedIsWantedOnceAndReachesBoth) {
-  const wire::NamedBlob a = BlobOf(1);
-  const wire::NamedBlob b = BlobOf(2);
-  queue_.Add(RunTask(0, {a, a}));
-  queue_.Add(RunTask(1, {b, a}));
+  const wire::NamedBlob a = InputOf(1);
+  const wire::NamedBlob b = InputOf(2);
+  queue_.Add(RunOf(0, {a, a}));
+  queue_.Add(RunOf(1, {b, a}));
   std::vector<Want> wants = TakeWants();
   ASSERT_EQ(wants.size(), 2u);
   EXPECT_TRUE(TakeWants().empty());
@@ -66,12 +66,12 @@ TEST_F(TaskQueueTest, ABlobThatTwoTasksNeedIsWantedOnceAndReachesBoth) {
 }
 
 TEST_F(TaskQueueTest, ACancelledTaskNeverComesUpAndARunningOneGivesNoAnswer) {
-  queue_.Add(RunTask(0, {}));
-  queue_.Add(RunTask(1, {}));
-  queue_.Add(RunTask(2, {}));
+  queue_.Add(RunOf(0, {}));
+  queue_.Add(RunOf(1, {}));
+  queue_.Add(RunOf(2, {}));
   const TaskPtr running = queue_.Next();
-  queue_.Cancel(RunTask(0, {}).key());
-  queue_.Cancel(RunTask(1, {}).key());
+  queue_.Cancel(RunOf(0, {}).key());
+  queue_.Cancel(RunOf(1, {}).key());
   EXPECT_TRUE(running->cancelled);
   EXPECT_EQ(queue_.Assigned().tasks_size(), 1);
   queue_.Finish(*running, {});
@@ -80,11 +80,11 @@ TEST_F(TaskQueueTest, ACancelledTaskNeverComesUpAndARunningOneGivesNoAnswer) {
 }
 
 TEST_F(TaskQueueTest, OfWhatWasCancelledOrHasFailedNothingStays) {
-  const wire::NamedBlob shared = BlobOf(0);
-  queue_.Add(RunTask(0, {shared}));
+  const wire::NamedBlob shared = InputOf(0);
+  queue_.Add(RunOf(0, {shared}));
   for (int i = 1; i < 100; ++i) {
-    queue_.Add(RunTask(1, {shared, BlobOf(i)}));
-    queue_.Cancel(RunTask(1, {}).key());
+    queue_.Add(RunOf(1, {shared, InputOf(i)}));
+    queue_.Cancel(RunOf(1, {}).key());
   }
   EXPECT_EQ(queue_.Count(), 1u);
   const std::vector<Want> wants = TakeWants();
@@ -97,7 +97,7 @@ TEST_F(TaskQueueTest, OfWhatWasCancelledOrHasFailedNothingStays) {
   EXPECT_EQ(queue_.Count(), 1u) << "its answer";
   EXPECT_EQ(queue_.TakeAnswers().size(), 1u);
 
-  queue_.Add(AdvanceTask({BlobOf(1), BlobOf(2)}));
+  queue_.Add(AdvanceOf({InputOf(1), InputOf(2)}));
   TaskPtr unread = queue_.Next();
   EXPECT_EQ(unread.use_count(), 4) << "this one, the queue's, and one for each of the partials";
   queue_.Finish(*unread, {});
@@ -106,17 +106,17 @@ TEST_F(TaskQueueTest, OfWhatWasCancelledOrHasFailedNothingStays) {
 }
 
 TEST_F(TaskQueueTest, AnotherAttemptAtTheSameTaskIsNotCancelled) {
-  queue_.Add(RunTask(0, {}));
-  wire::TaskKey other = RunTask(0, {}).key();
+  queue_.Add(RunOf(0, {}));
+  wire::TaskKey other = RunOf(0, {}).key();
   other.set_attempt(7);
   queue_.Cancel(other);
   EXPECT_EQ(queue_.Assigned().tasks_size(), 1);
 }
 
 TEST_F(TaskQueueTest, WhatTheCoordinatorLacksIsAFailureOfTheTasksThatNeedIt) {
-  const wire::NamedBlob a = BlobOf(1);
-  queue_.Add(RunTask(0, {a}));
-  queue_.Add(RunTask(1, {}));
+  const wire::NamedBlob a = InputOf(1);
+  queue_.Add(RunOf(0, {a}));
+  queue_.Add(RunOf(1, {}));
   queue_.GiveUp(a.hash);
   const TaskPtr first = queue_.Next();
   EXPECT_NE(queue_.FailureOf(*first).find(a.hash.Hex()), std::string::npos);
@@ -125,7 +125,7 @@ TEST_F(TaskQueueTest, WhatTheCoordinatorLacksIsAFailureOfTheTasksThatNeedIt) {
 }
 
 TEST_F(TaskQueueTest, AHashOfTheWrongLengthIsAFailureNotACrash) {
-  wire::Assign assign = RunTask(0, {});
+  wire::Assign assign = RunOf(0, {});
   assign.mutable_task()->add_inputs()->set_blob("short");
   queue_.Add(assign);
   EXPECT_NE(queue_.FailureOf(*queue_.Next()).find("malformed"), std::string::npos);
@@ -133,15 +133,15 @@ TEST_F(TaskQueueTest, AHashOfTheWrongLengthIsAFailureNotACrash) {
 
 TEST_F(TaskQueueTest, PartialsAreFetchedAFewAheadOfTheReader) {
   std::vector<wire::NamedBlob> partials(100);
-  for (int i = 0; i < 100; ++i) partials[i] = BlobOf(i % 40);  // equal partials are common
-  queue_.Add(AdvanceTask(partials));
+  for (int i = 0; i < 100; ++i) partials[i] = InputOf(i % 40);  // equal partials are common
+  queue_.Add(AdvanceOf(partials));
   const TaskPtr task = queue_.Next();
   std::size_t wanted = 0;
   for (std::size_t i = 0; i < partials.size(); ++i) {
     for (const Want& want : TakeWants()) {
       EXPECT_FALSE(want.keep);
       ++wanted;
-      queue_.Deliver(BlobOf(static_cast<int>(wanted - 1) % 40));
+      queue_.Deliver(InputOf(static_cast<int>(wanted - 1) % 40));
     }
     EXPECT_EQ(queue_.AwaitPartial(*task, i)->Scalar<std::int32_t>("v"), static_cast<int>(i) % 40);
     EXPECT_LT(wanted, i + 20);
@@ -150,8 +150,8 @@ TEST_F(TaskQueueTest, PartialsAreFetchedAFewAheadOfTheReader) {
 }
 
 TEST_F(TaskQueueTest, AReaderThatWaitsForAPartialIsFreedByACancel) {
-  const wire::NamedBlob a = BlobOf(1);
-  queue_.Add(AdvanceTask({a}));
+  const wire::NamedBlob a = InputOf(1);
+  queue_.Add(AdvanceOf({a}));
   const TaskPtr task = queue_.Next();
   std::thread talker([&] { queue_.Cancel(task->assign.key()); });
   EXPECT_THROW(queue_.AwaitPartial(*task, 0), Cancelled);
@@ -159,7 +159,7 @@ TEST_F(TaskQueueTest, AReaderThatWaitsForAPartialIsFreedByACancel) {
 }
 
 TEST_F(TaskQueueTest, WhatStillComputesWhenItWasCalledBackIsTold) {
-  queue_.Add(RunTask(0, {}));
+  queue_.Add(RunOf(0, {}));
   EXPECT_FALSE(queue_.Assigned().stuck());
   const TaskPtr task = queue_.Next();
   EXPECT_FALSE(queue_.Assigned().stuck());
@@ -171,9 +171,9 @@ TEST_F(TaskQueueTest, WhatStillComputesWhenItWasCalledBackIsTold) {
 }
 
 TEST_F(TaskQueueTest, DroppingAllForgetsAnswersTooAndClosingEndsTheWait) {
-  queue_.Add(RunTask(0, {}));
+  queue_.Add(RunOf(0, {}));
   queue_.Finish(*queue_.Next(), {});
-  queue_.Add(RunTask(1, {BlobOf(1)}));
+  queue_.Add(RunOf(1, {InputOf(1)}));
   queue_.DropAll();
   EXPECT_TRUE(queue_.TakeAnswers().empty());
   EXPECT_TRUE(TakeWants().empty());

@@ -5,7 +5,7 @@
 namespace cairn::coordinator {
 namespace {
 
-Hash H(std::uint8_t n) {
+Hash HashOfByte(std::uint8_t n) {
   Hash hash;
   hash.bytes[0] = n;
   return hash;
@@ -14,12 +14,12 @@ Hash H(std::uint8_t n) {
 TEST(BlobLedger, DropsABlobOnceWhenItsLastHolderLetsGo) {
   BlobLedger ledger;
   BlobLedger::Hold a, b;
-  ledger.Add(a, H(1));
-  ledger.Add(b, H(1));
+  ledger.Add(a, HashOfByte(1));
+  ledger.Add(b, HashOfByte(1));
   ledger.Release(a);
   EXPECT_TRUE(ledger.TakeDropped().empty());
   ledger.Release(b);
-  EXPECT_EQ(ledger.TakeDropped(), std::vector<Hash>{H(1)});
+  EXPECT_EQ(ledger.TakeDropped(), std::vector<Hash>{HashOfByte(1)});
   EXPECT_TRUE(ledger.TakeDropped().empty());
   EXPECT_EQ(ledger.size(), 0u);
 }
@@ -27,37 +27,37 @@ TEST(BlobLedger, DropsABlobOnceWhenItsLastHolderLetsGo) {
 TEST(BlobLedger, ReplacingKeepsWhatIsInBoth) {
   BlobLedger ledger;
   BlobLedger::Hold hold;
-  ledger.Replace(hold, {H(1), H(2)});
-  ledger.Replace(hold, {H(2), H(3)});
-  EXPECT_EQ(ledger.TakeDropped(), std::vector<Hash>{H(1)});
-  EXPECT_TRUE(ledger.Held(H(2)));
-  EXPECT_TRUE(ledger.Held(H(3)));
+  ledger.Replace(hold, {HashOfByte(1), HashOfByte(2)});
+  ledger.Replace(hold, {HashOfByte(2), HashOfByte(3)});
+  EXPECT_EQ(ledger.TakeDropped(), std::vector<Hash>{HashOfByte(1)});
+  EXPECT_TRUE(ledger.Held(HashOfByte(2)));
+  EXPECT_TRUE(ledger.Held(HashOfByte(3)));
 }
 
 TEST(BlobLedger, AddingTwiceToOneHoldCountsOnce) {
   BlobLedger ledger;
   BlobLedger::Hold hold;
-  ledger.Add(hold, H(1));
-  ledger.Add(hold, H(1));
+  ledger.Add(hold, HashOfByte(1));
+  ledger.Add(hold, HashOfByte(1));
   ledger.Release(hold);
-  EXPECT_FALSE(ledger.Held(H(1)));
+  EXPECT_FALSE(ledger.Held(HashOfByte(1)));
 }
 
 TEST(BlobLedger, AnOfferedBlobThatNobodyTakesIsDropped) {
   BlobLedger ledger;
   BlobLedger::Hold hold;
-  ledger.Offer(H(1));
-  ledger.Offer(H(2));
-  ledger.Add(hold, H(2));
-  EXPECT_EQ(ledger.TakeDropped(), std::vector<Hash>{H(1)});
+  ledger.Offer(HashOfByte(1));
+  ledger.Offer(HashOfByte(2));
+  ledger.Add(hold, HashOfByte(2));
+  EXPECT_EQ(ledger.TakeDropped(), std::vector<Hash>{HashOfByte(1)});
 }
 
 TEST(BlobLedger, ABlobTakenAgainBeforeTheDropStays) {
   BlobLedger ledger;
   BlobLedger::Hold a, b;
-  ledger.Add(a, H(1));
+  ledger.Add(a, HashOfByte(1));
   ledger.Release(a);
-  ledger.Add(b, H(1));
+  ledger.Add(b, HashOfByte(1));
   EXPECT_TRUE(ledger.TakeDropped().empty());
 }
 

@@ -7,7 +7,7 @@ namespace cairn::coordinator {
 namespace {
 
 // "me: ok" or "me: why not", of the last event.
-std::vector<std::string> Told(const CoreFixture& fixture) {
+std::vector<std::string> Answers(const CoreFixture& fixture) {
   std::vector<std::string> told;
   for (const Answer& answer : fixture.All<Answer>())
     told.push_back(answer.asker + ": " + (answer.refusal.empty() ? "ok" : answer.refusal));
@@ -19,13 +19,13 @@ using Lines = std::vector<std::string>;
 TEST(CoreDurable, ASubmissionIsAnsweredWhenItIsSavedNotBefore) {
   CoreFixture fixture;
   fixture.Do(SubmitJob{"a", TestJob(), {}, "me"});
-  EXPECT_EQ(Told(fixture), Lines{});
+  EXPECT_EQ(Answers(fixture), Lines{});
   fixture.Do(SubmitJob{"a", TestJob(), {}, "you"});
-  EXPECT_EQ(Told(fixture), Lines{}) << "told twice: it is no more durable than before";
+  EXPECT_EQ(Answers(fixture), Lines{}) << "told twice: it is no more durable than before";
   fixture.Do(PersistDone{"a", 1});
-  EXPECT_EQ(Told(fixture), (Lines{"me: ok", "you: ok"}));
+  EXPECT_EQ(Answers(fixture), (Lines{"me: ok", "you: ok"}));
   fixture.Do(SubmitJob{"a", TestJob(), {}, "she"});
-  EXPECT_EQ(Told(fixture), Lines{"she: ok"});
+  EXPECT_EQ(Answers(fixture), Lines{"she: ok"});
 }
 
 TEST(CoreDurable, ASubmissionThatCannotBeSavedIsRefusedAndTheJobIsGone) {
@@ -37,7 +37,7 @@ TEST(CoreDurable, ASubmissionThatCannotBeSavedIsRefusedAndTheJobIsGone) {
   fixture.Do(PauseJob{"a", "she"});
   fixture.Do(PersistFailed{"a", 1, "no space"});
   const std::string refusal = ": cannot save: no space; the job was not taken";
-  EXPECT_EQ(Told(fixture), (Lines{"me" + refusal, "you" + refusal, "she" + refusal}));
+  EXPECT_EQ(Answers(fixture), (Lines{"me" + refusal, "you" + refusal, "she" + refusal}));
   EXPECT_EQ(fixture.core.FindJob("a"), nullptr);
   EXPECT_EQ(fixture.Sent(&wire::Envelope::has_cancel).size(), 1u);
   EXPECT_EQ(fixture.All<ForgetJob>().size(), 1u);
@@ -46,7 +46,7 @@ TEST(CoreDurable, ASubmissionThatCannotBeSavedIsRefusedAndTheJobIsGone) {
   EXPECT_FALSE(fixture.core.HasUnsaved());
   fixture.Do(SubmitJob{"a", TestJob(), {}, "me"});
   fixture.Do(PersistDone{"a", 1});
-  EXPECT_EQ(Told(fixture), Lines{"me: ok"}) << "once there is room";
+  EXPECT_EQ(Answers(fixture), Lines{"me: ok"}) << "once there is room";
 }
 
 TEST(CoreDurable, ACommandIsAnsweredByTheCheckpointThatHoldsItNotByTheOneUnderWay) {
@@ -56,11 +56,11 @@ TEST(CoreDurable, ACommandIsAnsweredByTheCheckpointThatHoldsItNotByTheOneUnderWa
   ASSERT_EQ(fixture.All<Persist>().size(), 1u);
   fixture.Do(PrioritizeJob{"a", 3, "me"});
   fixture.Do(PersistDone{"a", 2});
-  EXPECT_EQ(Told(fixture), Lines{});
+  EXPECT_EQ(Answers(fixture), Lines{});
   ASSERT_EQ(fixture.All<Persist>().size(), 1u);
   EXPECT_EQ(fixture.All<Persist>()[0].checkpoint.job().priority(), 3);
   fixture.Do(PersistDone{"a", 3});
-  EXPECT_EQ(Told(fixture), Lines{"me: ok"});
+  EXPECT_EQ(Answers(fixture), Lines{"me: ok"});
 }
 
 const Lines kTakenBack = {"me: cannot save: no space; a is as it was before"};
@@ -70,7 +70,7 @@ TEST(CoreDurable, APauseThatCannotBeSavedIsTakenBack) {
   Begin(fixture, 2);
   fixture.Do(PauseJob{"a", "me"});
   fixture.Do(PersistFailed{"a", 2, "no space"});
-  EXPECT_EQ(Told(fixture), kTakenBack);
+  EXPECT_EQ(Answers(fixture), kTakenBack);
   EXPECT_FALSE(fixture.core.FindJob("a")->held);
   EXPECT_EQ(fixture.Info().reason(), "cannot save: no space") << "for the disk, and over at the next start";
 }
@@ -83,11 +83,11 @@ TEST(CoreDurable, ACancelThatCannotBeSavedIsTakenBackAndTheJobCanGoOn) {
   fixture.Do(CancelJob{"a", "me"});
   EXPECT_EQ(fixture.Info().state(), "cancelled");
   fixture.Do(PersistFailed{"a", 2, "no space"});
-  EXPECT_EQ(Told(fixture), kTakenBack);
+  EXPECT_EQ(Answers(fixture), kTakenBack);
   EXPECT_EQ(fixture.Info().state(), "paused");
   fixture.Do(ResumeJob{"a", "me"});
   fixture.Do(PersistDone{"a", 3});
-  EXPECT_EQ(Told(fixture), Lines{"me: ok"});
+  EXPECT_EQ(Answers(fixture), Lines{"me: ok"});
   const auto task = fixture.Next();
   EXPECT_EQ(task.assign.key().task(), 1u) << "what was done is not done again";
   fixture.AnswerRun(task, H(11));
@@ -102,7 +102,7 @@ TEST(CoreDurable, AResumeThatCannotBeSavedLeavesTheJobPausedByItsOwner) {
   fixture.Do(ResumeJob{"a", "me"});
   EXPECT_EQ(fixture.Info().state(), "running");
   fixture.Do(PersistFailed{"a", 3, "no space"});
-  EXPECT_EQ(Told(fixture), kTakenBack);
+  EXPECT_EQ(Answers(fixture), kTakenBack);
   EXPECT_EQ(fixture.Info().reason(), "paused by its owner");
   EXPECT_TRUE(fixture.core.FindJob("a")->held);
 }
@@ -116,7 +116,7 @@ TEST(CoreDurable, ARetryThatCannotBeSavedLeavesTheJobFailedWithItsReason) {
   fixture.Do(RetryJob{"a", "me"});
   fixture.Next();
   fixture.Do(PersistFailed{"a", 3, "no space"});
-  EXPECT_EQ(Told(fixture), kTakenBack);
+  EXPECT_EQ(Answers(fixture), kTakenBack);
   EXPECT_EQ(fixture.Info().state(), "failed");
   EXPECT_EQ(fixture.Info().reason(), reason);
   EXPECT_TRUE(fixture.Info().input_error());
@@ -132,7 +132,7 @@ TEST(CoreDurable, WhatWasAskedMeanwhileIsTakenBackWithIt) {
   fixture.Do(CancelJob{"a", "you"});
   fixture.Do(CancelJob{"a", "she"});
   fixture.Do(PersistFailed{"a", 2, "no space"});
-  EXPECT_EQ(Told(fixture).size(), 3u);
+  EXPECT_EQ(Answers(fixture).size(), 3u);
   EXPECT_EQ(fixture.Info().priority(), 0);
   EXPECT_EQ(fixture.Info().state(), "paused");
 }
@@ -144,7 +144,7 @@ TEST(CoreDurable, AJobThatFailsMeanwhileStaysFailed) {
   fixture.Do(PauseJob{"a", "me"});
   fixture.Fail(task, "no good", true);
   fixture.Do(PersistFailed{"a", 2, "no space"});
-  EXPECT_EQ(Told(fixture), kTakenBack);
+  EXPECT_EQ(Answers(fixture), kTakenBack);
   EXPECT_EQ(fixture.Info().state(), "failed");
 }
 
@@ -155,10 +155,10 @@ TEST(CoreDurable, ACommandToAJobThatWaitsForTheDiskIsTriedNotJustAcknowledged) {
   fixture.Advance(1.1);
   fixture.Do(PersistFailed{"a", 2, "no space"});
   fixture.Do(PrioritizeJob{"a", 3, "me"});
-  EXPECT_EQ(Told(fixture), Lines{});
+  EXPECT_EQ(Answers(fixture), Lines{});
   ASSERT_EQ(fixture.All<Persist>().size(), 1u);
   fixture.Do(PersistFailed{"a", 3, "no space"});
-  EXPECT_EQ(Told(fixture), kTakenBack);
+  EXPECT_EQ(Answers(fixture), kTakenBack);
   EXPECT_EQ(fixture.Info().priority(), 0);
   fixture.Advance(9);
   EXPECT_TRUE(fixture.All<Persist>().empty()) << "it waits again";
@@ -192,14 +192,14 @@ TEST(CoreDurable, AJobIsDeletedWhenTheDiskHasForgottenIt) {
   fixture.Do(DeleteJob{"a", "you"});
   EXPECT_TRUE(fixture.All<ForgetJob>().empty()) << "it was asked to already";
   fixture.Do(RetryJob{"a", "she"});
-  EXPECT_EQ(Told(fixture), Lines{"she: it is being deleted"});
+  EXPECT_EQ(Answers(fixture), Lines{"she: it is being deleted"});
   fixture.Do(ForgetFailed{"a", "no space"});
-  EXPECT_EQ(Told(fixture), (Lines{"me: cannot delete a: no space", "you: cannot delete a: no space"}));
+  EXPECT_EQ(Answers(fixture), (Lines{"me: cannot delete a: no space", "you: cannot delete a: no space"}));
   EXPECT_EQ(fixture.Info().state(), "failed");
   fixture.Do(DeleteJob{"a", "me"});
   EXPECT_TRUE(fixture.core.HasUnsaved());
   fixture.Do(ForgetDone{"a"});
-  EXPECT_EQ(Told(fixture), Lines{"me: ok"});
+  EXPECT_EQ(Answers(fixture), Lines{"me: ok"});
   EXPECT_EQ(fixture.core.FindJob("a"), nullptr);
   EXPECT_EQ(fixture.core.held_blobs(), 0u);
 }
@@ -222,9 +222,9 @@ TEST(CoreDurable, ARefusalByTheRulesIsToldAtOnce) {
   CoreFixture fixture;
   Begin(fixture, 1);
   fixture.Do(RetryJob{"a", "me"});
-  EXPECT_EQ(Told(fixture), Lines{"me: it has not failed"});
+  EXPECT_EQ(Answers(fixture), Lines{"me: it has not failed"});
   fixture.Do(CancelJob{"nobody", "me"});
-  EXPECT_EQ(Told(fixture), Lines{"me: there is no job 'nobody'"});
+  EXPECT_EQ(Answers(fixture), Lines{"me: there is no job 'nobody'"});
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace cairn::coordinator {
 namespace {
 
-Hash HashOf(std::uint64_t value) {
+Hash ContentHash(std::uint64_t value) {
   Hasher hasher;
   hasher.Add(value);
   return hasher.Finish();
@@ -37,8 +37,8 @@ class UploadsTest : public ::testing::Test {
 
   void Offer(const std::string& peer, std::uint64_t content, std::uint64_t bytes,
              const std::string& user = "") {
-    clients_[peer] = {HashOf(content), bytes};
-    Do(uploads_.Offered(peer, user, HashOf(content), bytes, now_s_));
+    clients_[peer] = {ContentHash(content), bytes};
+    Do(uploads_.Offered(peer, user, ContentHash(content), bytes, now_s_));
   }
   void Send(const std::string& peer, std::uint64_t bytes, std::optional<std::uint64_t> at = {}) {
     Client& client = clients_.at(peer);
@@ -113,10 +113,10 @@ TEST_F(UploadsTest, OneThatCameWholeIsKeptForItsClientUntilItIsTaken) {
   }
   ASSERT_TRUE(clients_["a"].answer);
   EXPECT_EQ(clients_["a"].answer->refusal, "");
-  EXPECT_TRUE(uploads_.Keeps(HashOf(1)));
-  EXPECT_EQ(uploads_.Take("a"), std::vector<Hash>{HashOf(1)});
-  EXPECT_FALSE(uploads_.Keeps(HashOf(1)));
-  EXPECT_TRUE(store_.contains(HashOf(1))) << "it is its job's now";
+  EXPECT_TRUE(uploads_.Keeps(ContentHash(1)));
+  EXPECT_EQ(uploads_.Take("a"), std::vector<Hash>{ContentHash(1)});
+  EXPECT_FALSE(uploads_.Keeps(ContentHash(1)));
+  EXPECT_TRUE(store_.contains(ContentHash(1))) << "it is its job's now";
 }
 
 TEST_F(UploadsTest, CreditComesBackOnlyAsTheDiskWrites) {
@@ -202,22 +202,22 @@ TEST_F(UploadsTest, PiecesOutOfOrderOfAnotherBlobOrOfNoneAreOffences) {
   Send("a", 10, 10);
   EXPECT_TRUE(clients_["a"].dropped) << "a gap";
   Offer("b", 2, 1000);
-  clients_["b"].hash = HashOf(3);
+  clients_["b"].hash = ContentHash(3);
   Send("b", 10);
   EXPECT_TRUE(clients_["b"].dropped);
-  clients_["c"].hash = HashOf(4);
+  clients_["c"].hash = ContentHash(4);
   Send("c", 10);
   EXPECT_TRUE(clients_["c"].dropped) << "it announced nothing";
   Offer("d", 5, 1000);
   Send("d", 0);
   EXPECT_TRUE(clients_["d"].dropped) << "pieces without end";
   Offer("e", 6, 1000);
-  Do(uploads_.Offered("e", "", HashOf(7), 10, now_s_));
+  Do(uploads_.Offered("e", "", ContentHash(7), 10, now_s_));
   EXPECT_TRUE(clients_["e"].dropped) << "two at a time";
 }
 
 TEST_F(UploadsTest, WhatTheStoreHasIsNotSentAgainNorWhatAnotherBrings) {
-  store_.insert(HashOf(1));
+  store_.insert(ContentHash(1));
   Offer("a", 1, 1000);
   ASSERT_TRUE(clients_["a"].answer);
   EXPECT_EQ(clients_["a"].answer->refusal, "");
@@ -230,9 +230,9 @@ TEST_F(UploadsTest, WhatTheStoreHasIsNotSentAgainNorWhatAnotherBrings) {
   EXPECT_EQ(clients_["c"].answer->refusal, "");
   EXPECT_EQ(opened_, 1);
   Do(uploads_.Lost("b", now_s_));
-  EXPECT_TRUE(store_.contains(HashOf(2))) << "c needs it";
+  EXPECT_TRUE(store_.contains(ContentHash(2))) << "c needs it";
   Do(uploads_.Lost("c", now_s_));
-  EXPECT_FALSE(store_.contains(HashOf(2)));
+  EXPECT_FALSE(store_.contains(ContentHash(2)));
 }
 
 TEST_F(UploadsTest, AClientThatIsGoneLeavesNothingAndItsPlace) {
@@ -244,7 +244,7 @@ TEST_F(UploadsTest, AClientThatIsGoneLeavesNothingAndItsPlace) {
   while (SendWhatIsAllowed("b") || Disk()) {
   }
   EXPECT_GT(clients_["e"].credit, 0u);
-  EXPECT_TRUE(store_.contains(HashOf('b')));
+  EXPECT_TRUE(store_.contains(ContentHash('b')));
   Do(uploads_.Lost("b", now_s_));
   EXPECT_TRUE(store_.empty()) << "no job took it";
   // Gone while its last bytes are synced.
@@ -320,7 +320,7 @@ TEST_F(UploadsTest, OneThatFailsAtItsEndIsRefused) {
   Disk();
   ASSERT_TRUE(clients_["a"].answer);
   EXPECT_EQ(clients_["a"].answer->refusal, "not what its hash says");
-  EXPECT_FALSE(uploads_.Keeps(HashOf(1)));
+  EXPECT_FALSE(uploads_.Keeps(ContentHash(1)));
 }
 
 TEST_F(UploadsTest, NoMoreWaitThanMay) {
