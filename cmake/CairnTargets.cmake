@@ -37,9 +37,10 @@ function(cairn_program name)
   install(TARGETS ${name} RUNTIME)
 endfunction()
 
-# cairn_test(NAME [SEPARATE] SOURCES … DEPS … [LABELS …]): one GoogleTest program per folder, a ctest entry per test. In a
-# sanitizer's build, where a process takes long to start, an entry is half of a program's tests, and carries the
-# sanitizer's name. SEPARATE: each source is compiled by itself, for helpers in several of them have the same name.
+# cairn_test(NAME SOURCES … DEPS … [LABELS …] [UNSANITIZED …]): one GoogleTest program per folder, a ctest entry per test.
+# In a sanitizer's build, where a process takes long to start, an entry is half of a program's tests, and carries the
+# sanitizer's name. UNSANITIZED: patterns of tests that compute for many seconds what shorter ones compute too; a
+# sanitizer's build leaves them out.
 include(GoogleTest)
 # A limit is for tests that hang, not for slow machines: five times what a test may take on a loaded machine of two cores.
 set(CAIRN_TEST_LIMIT_S 1500)
@@ -54,13 +55,11 @@ function(cairn_test name)
   if(asked AND NOT folder MATCHES "^(${asked})$")
     return()
   endif()
-  cmake_parse_arguments(ARG "SEPARATE" "" "SOURCES;DEPS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS;LABELS;UNSANITIZED" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE cairn::flags ${ARG_DEPS} GTest::gtest GTest::gtest_main)
   target_compile_options(${name} PRIVATE ${CAIRN_COLD})
-  if(NOT ARG_SEPARATE)
-    set_target_properties(${name} PROPERTIES UNITY_BUILD ${CAIRN_UNITY} UNITY_BUILD_BATCH_SIZE ${CAIRN_TEST_BATCH_SIZE})
-  endif()
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ${CAIRN_UNITY} UNITY_BUILD_BATCH_SIZE ${CAIRN_TEST_BATCH_SIZE})
   add_dependencies(cairn_unit_tests ${name})
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
@@ -75,9 +74,10 @@ function(cairn_test name)
     return()
   endif()
   target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/cmake/sanitizer_options.cc)
+  string(REPLACE ";" ":" left_out "${ARG_UNSANITIZED}")
   foreach(half IN ITEMS 0 1)
     set(entry "${CAIRN_SANITIZE}: ${name}, half ${half}")
-    add_test(NAME "${entry}" COMMAND ${name} --gtest_brief=1)
+    add_test(NAME "${entry}" COMMAND ${name} --gtest_brief=1 "--gtest_filter=-${left_out}")
     set_tests_properties("${entry}" PROPERTIES TIMEOUT ${CAIRN_TEST_LIMIT_S} LABELS "${ARG_LABELS}" COST 60
       ENVIRONMENT "GTEST_TOTAL_SHARDS=2;GTEST_SHARD_INDEX=${half}")
   endforeach()
