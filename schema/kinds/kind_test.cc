@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
-#include <regex>
 #include <set>
 #include <sstream>
 
@@ -17,26 +16,46 @@
 namespace cairn {
 namespace {
 
-// "shape type" of each array that the section of FORMAT.md named `heading` lists.
+// What stands between `mark`s, from the first one on.
+std::vector<std::string> PartsBetween(const std::string& text, char mark) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  std::string part;
+  std::getline(stream, part, mark);
+  while (std::getline(stream, part, mark)) parts.push_back(part);
+  return parts;
+}
+
+// "shape type" of each array that the section of FORMAT.md named `heading` lists, in rows as
+// "| `names` | [shape] | type | …".
 std::map<std::string, std::string> ListedIn(const std::string& heading) {
   std::map<std::string, std::string> listed;
   std::ifstream page(CAIRN_FORMAT_MD);
   bool is_in = false;
-  const std::regex row(R"(\| (`.+`) \| \[(.*?)\] \| (\w+) \|.*)"), name("`([^`]+)`");
   for (std::string line; std::getline(page, line);) {
     if (line.starts_with("## ")) is_in = line.starts_with("## `" + heading + "`");
-    std::smatch cells;
-    if (!is_in || !std::regex_match(line, cells, row)) continue;
-    const std::string names = cells[1];
+    const std::vector<std::string> cells = PartsBetween(line, '|');
+    if (!is_in || cells.size() < 4 || !cells[0].starts_with(" `") || !cells[1].starts_with(" [")) continue;
+    const std::string shape = cells[1].substr(2, cells[1].rfind(']') - 2),
+                      type = cells[2].substr(1, cells[2].size() - 2);
+    const std::vector<std::string> names = PartsBetween(cells[0], '`');
     std::string folder;  // of the row's first name; the others may leave it out
-    for (std::sregex_iterator at(names.begin(), names.end(), name), end; at != end; ++at) {
-      const std::string one = (*at)[1];
+    for (std::size_t i = 0; i < names.size(); i += 2) {  // between them are commas
+      const std::string& one = names[i];
       if (folder.empty()) folder = one.substr(0, one.rfind('/') + 1);
       const bool is_whole = one.find('/') != std::string::npos || folder.empty();
-      listed[is_whole ? one : folder + one] = cells[2].str() + " " + cells[3].str();
+      listed[is_whole ? one : folder + one] = shape + " " + type;
     }
   }
   return listed;
+}
+
+// `text` with `part`, where it holds it, replaced.
+std::string Replaced(std::string_view text, std::string_view part, std::string_view by) {
+  std::string replaced(text);
+  if (const std::size_t at = replaced.find(part); at != std::string::npos)
+    replaced.replace(at, part.size(), by);
+  return replaced;
 }
 
 std::map<std::string, std::string> KnownOf(std::span<const ArraySpec> specs) {
@@ -44,7 +63,7 @@ std::map<std::string, std::string> KnownOf(std::span<const ArraySpec> specs) {
   for (const ArraySpec& spec : specs) {
     std::string type = DTypeName(spec.type);  // "float64", where the page says f64
     for (const auto& [name, letter] : {std::pair("float", "f"), {"uint", "u"}, {"int", "i"}})
-      type = std::regex_replace(type, std::regex(name), letter);
+      if (type.starts_with(name)) type = Replaced(type, name, letter);
     EXPECT_TRUE(known.emplace(spec.name, std::string(spec.shape) + " " + type).second) << spec.name;
   }
   return known;
@@ -65,7 +84,7 @@ TEST(Kinds, ReferToArraysThatTheyHave) {
       for (const std::string_view of : {spec.values.index_into, spec.values.rows_of})
         EXPECT_TRUE(of.empty() || names.contains(of)) << spec.name;
     }
-    const std::string mark = std::regex_replace(std::string(kind.mark), std::regex("/0/"), "/N/");
+    const std::string mark = Replaced(kind.mark, "/0/", "/N/");
     EXPECT_TRUE(names.contains(mark)) << kind.name;
   }
 }
@@ -84,8 +103,8 @@ Blob Filled(std::span<const ArraySpec> specs) {
                          : spec.values.rows_of.empty()                        ? 0
                                                                               : 1;
     for (const char* const number : {"/0/", "/1/"}) {
-      std::string name = std::regex_replace(std::string(spec.name), std::regex("/N/"), number);
-      name = std::regex_replace(name, std::regex("/SENSOR/"), "/laser2/");
+      std::string name = Replaced(spec.name, "/N/", number);
+      name = Replaced(name, "/SENSOR/", "/laser2/");
       if (spec.type == DType::kText)
         blob.Put(name, shape.empty() ? Array::Text("a") : Array::Texts({"a", "b"}));
       else if (spec.type == DType::kU8)
@@ -145,8 +164,8 @@ TYPED_TEST(Struct, RefusesATableWithoutAColumnThatItNeeds) {
   for (const ArraySpec& spec : ArraysOf<TypeParam>()) {
     if (!spec.is_needed) continue;
     ++needed;
-    std::string name = std::regex_replace(std::string(spec.name), std::regex("/N/"), "/1/");
-    name = std::regex_replace(name, std::regex("/SENSOR/"), "/laser2/");
+    std::string name = Replaced(spec.name, "/N/", "/1/");
+    name = Replaced(name, "/SENSOR/", "/laser2/");
     EXPECT_THROW(CheckArrays(good.Without(name), ArraysOf<TypeParam>()), InputError) << name;
   }
   EXPECT_GE(needed, 2);
