@@ -43,7 +43,8 @@ std::string ContentsHtml(const std::vector<ReportedStage>& stages) {
 }  // namespace
 }  // namespace report
 
-std::string JobReportHtml(const std::vector<ReportedStage>& stages, const std::string& title) {
+std::string JobReportHtml(const std::vector<ReportedStage>& stages, const std::string& title,
+                          const std::string& note) {
   CAIRN_DEMAND(!stages.empty(), "something to report on");
   const ReportedStage& last = stages.back();
   std::string html;
@@ -53,6 +54,7 @@ std::string JobReportHtml(const std::vector<ReportedStage>& stages, const std::s
     html = report::ContentsHtml(stages);
     for (std::size_t i = 0; i < stages.size(); ++i) html += report::StageHtml(stages[i], i);
   }
+  if (!note.empty()) html.insert(0, "<p class=\"verdict\">Mind: " + report::Escape(note) + ".</p>\n");
   html += report::SectionHtml("Job", report::ProvenanceHtml(*last.result));
   std::string heading = title.empty() ? report::TitleOf(*last.result) : title;
   if (heading.empty()) heading = last.name;

@@ -11,10 +11,11 @@ namespace cairn::datasets {
 // The page of a job, its stages in order: style and pictures are inside, nothing is loaded from anywhere. It
 // follows the reader's light or dark scheme, has figures of their own for a phone, and prints light. Without
 // a `title` it is called by its log and job, as the provenance names them. The same input gives the same
-// bytes.
+// bytes. `note`: a sentence for its reader, which stands before all else.
 // Throws InputError where a result is of no kind that has a page (ResultKinds), its arrays do not fit each
 // other, or its source is another's.
-std::string JobReportHtml(const std::vector<ReportedStage>& stages, const std::string& title = "");
+std::string JobReportHtml(const std::vector<ReportedStage>& stages, const std::string& title = "",
+                          const std::string& note = "");
 
 // The picture of a stage, as a PNG file of `width_px` (400 to 10000): of maps with axes, a scale bar and a
 // legend, of networks what they see along a run, of a localization its error or, without samples, how sure

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "coordinator/cli/commands/folder_jobs.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/result_file.h"
@@ -12,6 +13,7 @@
 #include "datasets/evaluate/relations.h"
 #include "datasets/kinds/result_kinds.h"
 #include "schema/kinds/kind.h"
+#include "schema/text.h"
 
 namespace cairn::cli {
 namespace {
@@ -99,6 +101,7 @@ datasets::Scores ScoreOfResult(const EvaluateArguments& options, const BlobFile&
   const std::string kind(row.name);
   datasets::ScoreOptions how = HowToScore(options);
   how.map_name = ResultPath(options.result, kind);
+  WarnOfSeveralJobs(options.result, "it is " + Escaped(how.map_name) + " that is scored");
   return MakeScores(row.evaluate(ReadResult(how.map_name, kind, options.changed).blob, truth.blob, how));
 }
 
@@ -106,9 +109,10 @@ datasets::Scores ScoreOfRelations(const EvaluateArguments& options) {
   if (!options.truth.empty() || !options.features.empty())
     throw InputError(
         "--relations are what is held against the poses: neither --truth nor --feature goes with it");
-  const Blob poses =
-      ReadFirstOf(options.result, {"landmark_map", "local_map", "grid_map"}, options.changed).blob;
-  const datasets::Track track = datasets::ReadTrajectory(poses, options.robot);
+  const BlobFile poses =
+      ReadFirstOf(options.result, {"landmark_map", "local_map", "grid_map"}, options.changed);
+  WarnOfSeveralJobs(options.result, "it is the " + poses.kind + " that is scored");
+  const datasets::Track track = datasets::ReadTrajectory(poses.blob, options.robot);
   return MakeScores(
       datasets::ScoreRelations(track, datasets::ReadRelations(options.relations), options.offset_s));
 }

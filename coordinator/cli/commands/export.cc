@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "coordinator/cli/commands/folder_jobs.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/result_file.h"
@@ -57,6 +58,7 @@ datasets::Written Write(const ExportArguments& options, const Blob& blob) {
 
 int Export(const ExportArguments& options, const Invocation&) {
   const BlobFile source = ReadSource(options);
+  WarnOfSeveralJobs(options.from, "it is the " + source.kind + " that is exported");
   const datasets::ResultKind* kind = datasets::FindResultKind(source.kind);
   for (const std::string& file : Take(Write(options, source.blob))) std::printf("%s\n", file.c_str());
   if (IsForPlanning(options) && kind != nullptr && !kind->tells_free_space) {

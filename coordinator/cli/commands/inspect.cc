@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "coordinator/cli/commands/folder_jobs.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/result_file.h"
@@ -67,6 +68,7 @@ int InspectFolder(const InspectArguments& options) {
     if (info.ok()) files.emplace_back(fs::path(file).filename().string(), info.value().kind);
   }
   const bool run = fs::is_directory(fs::path(options.file) / ".cairn");
+  WarnOfSeveralJobs(options.file, "the list shows all of them");
   std::string what;
   std::vector<std::string> commands;
   if (!files.empty()) {

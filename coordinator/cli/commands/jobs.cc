@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "coordinator/cli/commands/client_arguments.h"
+#include "coordinator/cli/commands/folder_jobs.h"
 #include "coordinator/cli/commands/report.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/folder_lock.h"

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "coordinator/cli/commands/folder_jobs.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/result_file.h"
 #include "coordinator/cli/common/suggest.h"
 #include "coordinator/cli/output/pages.h"
 #include "coordinator/cli/output/path.h"
-#include "coordinator/core/job.h"
 #include "datasets/kinds/job_report.h"
 #include "schema/kinds/kind.h"
-#include "schema/kinds/provenance.h"
 
 namespace cairn::cli {
 namespace {
@@ -68,8 +67,8 @@ std::size_t OrderOf(const ScoredStage& stage) {
 }
 
 // The results that a page can show: the file, or all that are right in the folder, those of a job in its
-// order.
-std::vector<ScoredStage> ReadStages(const ReportArguments& options, const BlobPtr& log) {
+// order. Of `several` jobs each has its file's name too, for stages of two may be called the same.
+std::vector<ScoredStage> ReadStages(const ReportArguments& options, const BlobPtr& log, bool several) {
   const bool folder = fs::is_directory(options.result);
   std::vector<ScoredStage> stages;
   std::vector<std::string> found;
@@ -84,6 +83,7 @@ std::vector<ScoredStage> ReadStages(const ReportArguments& options, const BlobPt
                       .kind = kind,
                       .result = blob,
                       .source = row->page_takes_source ? log : nullptr});
+    if (several) stages.back().name += " (" + fs::path(file).filename().string() + ")";
     stages.back().Score();
   }
   if (stages.empty())
@@ -114,10 +114,12 @@ int Report(const ReportArguments& options, const Invocation&) {
       throw InputError(options.log + ": " + WithArticle(file.kind) + ", where a log or samples are needed");
     log = std::make_shared<const Blob>(std::move(file.blob));
   }
-  const std::vector<ScoredStage> stages = ReadStages(options, log);
+  const std::string several = SeveralJobs(options.result);
+  const std::vector<ScoredStage> stages = ReadStages(options, log, !several.empty());
   if (log && std::ranges::all_of(stages, [](const ScoredStage& stage) { return stage.source == nullptr; }))
     throw InputError("--log: networks are not made from a log");
-  WritePage(out, PageOf(stages));
+  WarnOfSeveralJobs(options.result, "the page shows all of them");
+  WritePage(out, PageOf(stages, several));
   std::printf("%s\n", out.c_str());
   return kExitDone;
 }
@@ -132,19 +134,12 @@ void ScoredStage::Score() {
 
 void SortByJob(std::vector<ScoredStage>* stages) { std::ranges::stable_sort(*stages, {}, OrderOf); }
 
-std::string PageOf(const std::vector<ScoredStage>& stages) {
+std::string PageOf(const std::vector<ScoredStage>& stages, const std::string& note) {
   std::vector<datasets::ReportedStage> reported;
   for (const ScoredStage& stage : stages) {
     if (datasets::FindResultKind(stage.kind) != nullptr) reported.push_back(Reported(stage));
   }
-  return reported.empty() ? "" : datasets::JobReportHtml(reported);
-}
-
-std::string JobOf(const Blob& result) {
-  const auto bytes = kinds::Provenance::In(result).job.OrNone();
-  proto::Job job;
-  if (bytes.empty() || !job.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return "";
-  return coordinator::HashOfJob(job).Hex();
+  return reported.empty() ? "" : datasets::JobReportHtml(reported, "", note);
 }
 
 WrittenPages WritePages(const fs::path& dir, const std::vector<ScoredStage>& stages) {

@@ -39,10 +39,7 @@ struct WrittenPages {
 // Throws InputError where a DIR/STAGE is a link.
 WrittenPages WritePages(const std::filesystem::path& dir, const std::vector<ScoredStage>& stages);
 
-// By which the results of a job are told from those of another, wherever either ran; empty: it does not say.
-std::string JobOf(const Blob& result);
-
-// The page alone.
-std::string PageOf(const std::vector<ScoredStage>& stages);
+// The page alone, with a sentence for its reader before all else.
+std::string PageOf(const std::vector<ScoredStage>& stages, const std::string& note = "");
 
 }  // namespace cairn::cli

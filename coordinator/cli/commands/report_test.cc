@@ -4,7 +4,6 @@
 
 #include <filesystem>
 
-#include "schema/job.pb.h"
 #include "schema/wire/testing/private_folder.h"
 
 namespace cairn::cli {
@@ -22,25 +21,6 @@ TEST(WritePages, AStagesFolderThatIsALinkIsRefused) {
                                            {.name = "second", .kind = "landmark_map", .result = nullptr}};
   EXPECT_THROW(WritePages(folder.path() / "out", stages), InputError);
   EXPECT_TRUE(fs::is_empty(folder.path() / "victim"));
-}
-
-Blob ResultOf(const proto::Job& job) {
-  const std::string bytes = job.SerializeAsString();
-  Blob result;
-  result.PutVector("provenance/job", std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
-  return result;
-}
-
-TEST(JobOf, TellsJobsApartButNotByWhatChangesNoResult) {
-  proto::Job job;
-  job.set_seed(1);
-  const std::string one = JobOf(ResultOf(job));
-  EXPECT_FALSE(one.empty());
-  job.set_priority(2);
-  EXPECT_EQ(JobOf(ResultOf(job)), one);
-  job.set_seed(2);
-  EXPECT_NE(JobOf(ResultOf(job)), one);
-  EXPECT_EQ(JobOf(Blob()), "");
 }
 
 }  // namespace
