@@ -34,7 +34,7 @@ class Clean : public ::testing::Test {
     const wire::NamedBlob orphan = TextBlob("nobody's"), other = TextBlob("nobody's either");
     const Blob pack = PackBlobs({other});
     planted_ = {folder.BlobFile(orphan.hash), folder.PackFile(pack.ContentHash()),
-                folder.Blobs() / ".x.h5.999999999-0.tmp"};
+                folder.Blobs() / ".cairn-x.h5.999999999-0.tmp"};
     damaged_ = folder.Blobs() / "x.h5.damaged";
     ASSERT_TRUE(WriteBlobFile(planted_[0], "blob", *orphan.blob).ok());
     ASSERT_TRUE(WriteBlobFile(planted_[1], "pack", pack).ok());

@@ -182,7 +182,7 @@ TEST(StoreFolder, OneThatAnotherProcessIsMakingIsInUse) {
 TEST(StoreFolder, OneThatAProcessWithThisNumberBeganIsNoForeignFolder) {
   TempFolder temp;
   fs::create_directories(temp.path() / "s");
-  const std::string begun = ".version." + std::to_string(::getpid()) + "-0.tmp";
+  const std::string begun = ".cairn-version." + std::to_string(::getpid()) + "-0.tmp";
   std::ofstream(temp.path() / "s" / begun) << "3";
   ASSERT_TRUE(StoreFolder::Open(temp.path() / "s").ok());
 }

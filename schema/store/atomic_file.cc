@@ -17,6 +17,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "schema/text.h"
+
 namespace cairn {
 namespace {
 
@@ -42,13 +44,18 @@ std::filesystem::path FolderOf(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 
+// By which Cairn's temporary files are told from those of other programs, which have such numbers too.
+constexpr std::string_view kBegin = ".cairn-", kEnd = ".tmp";
+
 // The name of a temporary file of `path`, which is this process's as long as the object lives.
 class Temporary {
  public:
   explicit Temporary(const std::filesystem::path& path) {
+    constexpr std::size_t kMostOfName = 128;  // with the rest it stays a name that a file may have
     static std::atomic<unsigned> counter{0};
-    path_ = FolderOf(path) / ("." + path.filename().string() + "." + std::to_string(::getpid()) + "-" +
-                              std::to_string(counter++) + ".tmp");
+    std::string name(kBegin);
+    name += CutTo(path.filename().string(), kMostOfName) + "." + std::to_string(::getpid()) + "-";
+    path_ = FolderOf(path) / (name + std::to_string(counter++) + std::string(kEnd));
     const std::lock_guard lock(mutex_);
     names_.insert(path_.filename());
   }
@@ -82,9 +89,9 @@ bool IsAlive(pid_t owner, const std::string& name) {
 
 // The process that a temporary file belongs to; 0: the name is none that Temporary makes.
 pid_t OwnerOf(std::string_view name) {
-  constexpr std::string_view kEnd = ".tmp";
-  if (!name.starts_with('.') || !name.ends_with(kEnd)) return 0;
-  name.remove_suffix(kEnd.size());
+  if (!name.starts_with(kBegin) || !name.ends_with(kEnd)) return 0;
+  name.remove_prefix(kBegin.size());
+  name.remove_suffix(std::min(name.size(), kEnd.size()));
   const std::size_t dash = name.rfind('-'), dot = name.rfind('.', dash);
   if (dash == std::string_view::npos || dot == std::string_view::npos || dot == 0) return 0;
   const std::string_view pid = name.substr(dot + 1, dash - dot - 1);
@@ -248,7 +255,9 @@ std::vector<std::filesystem::path> Leftovers(const std::filesystem::path& folder
   for (const std::filesystem::directory_iterator end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     const pid_t owner = OwnerOf(name);
-    if (owner > 0 && !IsAlive(owner, name)) leftovers.push_back(it->path());
+    std::error_code ignored;
+    if (owner > 0 && !IsAlive(owner, name) && std::filesystem::is_regular_file(it->symlink_status(ignored)))
+      leftovers.push_back(it->path());
   }
   return leftovers;
 }

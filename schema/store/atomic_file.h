@@ -17,7 +17,7 @@ namespace cairn {
 // Replaces `path` by `bytes`. On any failure nothing new is left behind, and a file that was there before
 // stays as it was. The Status names the file and the cause: kNotFound (the folder), kNoSpace, kRefused, kIo.
 // What is no file (IsNoFile) is not replaced: kRefused. A process that is killed in between leaves at most a
-// hidden ".NAME.PID-N.tmp", which nothing reads.
+// hidden ".cairn-NAME.PID-N.tmp", which nothing reads.
 Status WriteFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 // The same, but a file that is there already stays: kRefused. Of several that write it at once one does,
 // where the file system can (FAT cannot); else the last one's stays.
@@ -41,8 +41,8 @@ bool IsNoFile(const std::filesystem::path& path);
 // So that what was renamed or removed in it stays so.
 Status SyncFolder(const std::filesystem::path& folder);
 
-// What processes that are no more have left behind right in `folder` while they wrote, among them those
-// whose number this process has.
+// The files that processes that are no more have left behind right in `folder` while they wrote, among them
+// those whose number this process has. A file of the user's, of whatever name without "cairn", is none.
 std::vector<std::filesystem::path> Leftovers(const std::filesystem::path& folder);
 // Removes them. What cannot be removed stays.
 void RemoveLeftovers(const std::filesystem::path& folder);

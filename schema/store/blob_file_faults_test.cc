@@ -310,7 +310,7 @@ TEST(WriteNewFileAtomically, OfSeveralAtOnceOneWrites) {
 
 TEST(WriteFileAtomically, ALeftoverOfAProcessWithThisNumberIsInNobodysWay) {
   const TempFolder folder;
-  const std::string begin = ".x.h5." + std::to_string(::getpid()) + "-";
+  const std::string begin = ".cairn-x.h5." + std::to_string(::getpid()) + "-";
   const auto names = [&](int number) { return folder / (begin + std::to_string(number) + ".tmp"); };
   for (int number = 0; number < 2000; ++number) std::ofstream(names(number)) << "half";
   ASSERT_TRUE(WriteTextAtomically(folder / "x.h5", "whole").ok());
@@ -318,6 +318,14 @@ TEST(WriteFileAtomically, ALeftoverOfAProcessWithThisNumberIsInNobodysWay) {
   EXPECT_EQ(folder.Files().size(), 2001U) << "nobody else's file is touched";
   RemoveLeftovers(folder / "");
   EXPECT_EQ(folder.Files(), std::vector<std::string>{"x.h5"});
+}
+
+// It is written under another name first, which must be one that a file may have, too.
+TEST(WriteFileAtomically, AFileMayHaveTheLongestName) {
+  const TempFolder folder;
+  const std::string longest(255, 'x');
+  ASSERT_TRUE(WriteTextAtomically(folder / longest, "whole").ok());
+  EXPECT_EQ(folder.Files(), std::vector<std::string>{longest});
 }
 
 TEST(RemoveLeftovers, LeavesWhatThisProcessIsWriting) {
@@ -337,16 +345,19 @@ TEST(RemoveLeftovers, TakesOnlyWhatADeadProcessLeft) {
   const pid_t child = ::fork();
   if (child == 0) ::_exit(0);
   ASSERT_EQ(::waitpid(child, nullptr, 0), child);
-  const std::string of_dead = ".log.h5." + std::to_string(child) + "-3.tmp";
-  const std::string of_living = ".log.h5." + std::to_string(::getppid()) + "-3.tmp";
-  const std::string of_one_with_this_number = ".log.h5." + std::to_string(::getpid()) + "-3.tmp";
-  for (const std::string& name :
-       {of_dead, of_living, of_one_with_this_number, std::string("log.h5"), std::string(".other.tmp")})
-    std::ofstream(folder / name) << "x";
+  const std::string of_dead = ".cairn-log.h5." + std::to_string(child) + "-3.tmp";
+  const std::string of_living = ".cairn-log.h5." + std::to_string(::getppid()) + "-3.tmp";
+  const std::string of_one_with_this_number = ".cairn-log.h5." + std::to_string(::getpid()) + "-3.tmp";
+  const std::string of_another_program = ".log.h5." + std::to_string(child) + "-3.tmp";
+  const std::string a_folder = ".cairn-mine." + std::to_string(child) + "-4.tmp";
+  std::vector<std::string> stay = {of_living, of_another_program, ".other.tmp", ".cairn-.tmp", "log.h5"};
+  for (const std::string& name : stay) std::ofstream(folder / name) << "x";
+  for (const std::string& name : {of_dead, of_one_with_this_number}) std::ofstream(folder / name) << "x";
+  std::filesystem::create_directory(folder / a_folder);
   RemoveLeftovers(folder / "");
   std::vector<std::string> files = folder.Files();
   std::ranges::sort(files);
-  std::vector<std::string> stay = {of_living, ".other.tmp", "log.h5"};
+  stay.push_back(a_folder);
   std::ranges::sort(stay);
   EXPECT_EQ(files, stay);
 }

@@ -73,16 +73,16 @@ TEST_F(Pages, WhatAKilledProcessLeftGoesAndNothingElse) {
   if (gone == 0) ::_exit(0);
   ASSERT_EQ(::waitpid(gone, nullptr, 0), gone);
   const std::string dead = std::to_string(gone), alive = std::to_string(::getppid());
-  const std::vector<std::string> stays = {".report.html." + alive + "-2.tmp",
-                                          "report.html." + dead + "-2.tmp", ".report.html." + dead + ".tmp",
-                                          ".mine.tmp"};
+  const std::vector<std::string> stays = {
+      ".cairn-report.html." + alive + "-2.tmp", "report.html." + dead + "-2.tmp",
+      ".cairn-report.html." + dead + ".tmp", ".mine.tmp", ".mine." + dead + "-2.tmp"};
   for (const std::string folder : {"", "first/"}) {
-    std::ofstream(dir_.path() / (folder + ".report.html." + dead + "-2.tmp")) << "half";
+    std::ofstream(dir_.path() / (folder + ".cairn-report.html." + dead + "-2.tmp")) << "half";
     for (const std::string& name : stays) std::ofstream(dir_.path() / (folder + name)) << "kept";
   }
   Write("map");
   for (const std::string folder : {"", "first/"}) {
-    EXPECT_FALSE(fs::exists(dir_.path() / (folder + ".report.html." + dead + "-2.tmp"))) << folder;
+    EXPECT_FALSE(fs::exists(dir_.path() / (folder + ".cairn-report.html." + dead + "-2.tmp"))) << folder;
     for (const std::string& name : stays)
       EXPECT_TRUE(fs::exists(dir_.path() / (folder + name))) << folder + name;
   }
