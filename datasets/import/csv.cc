@@ -22,6 +22,9 @@ namespace {
 // Numbers with six digits after the point, as far as a message needs them.
 std::string Shown(double value) { return std::to_string(value); }
 
+// What a log's times and those of another table may differ by for having been rounded.
+constexpr double kRounding_s = 1;
+
 // What programs write where they know no name.
 bool MeansUnknown(std::string_view name) {
   constexpr std::array kWords = {"-1", "unknown", "none", "nan", "null", "na", "n/a"};
@@ -140,7 +143,12 @@ class CsvImport {
     for (const auto& [robot, digits] : digits_) {
       const std::string doubt = digits.Doubt();
       if (!doubt.empty()) throw InputError(options_.odometry + ": robot '" + robot + "': " + doubt);
+      WarnOf(options_.odometry, robot, digits.Rounded());
     }
+  }
+
+  void WarnOf(const std::string& file, const std::string& robot, const std::string& doubt) {
+    if (!doubt.empty()) report_.warnings.push_back(file + ": robot '" + robot + "': " + doubt);
   }
 
   // Speeds go on until the next row and poses say where the robot is, whatever is left out between them; of
@@ -263,7 +271,11 @@ class CsvImport {
   // Whether there is a pose to observe from; the line is bad where there is none.
   static bool WhileDriving(double time, const std::vector<double>& controls, CsvReader* reader) {
     const double first = controls.front(), last = controls.back();
-    const std::string others = OtherTimes(time, first, last);
+    const double beyond = std::max(first - time, time - last);
+    const bool may_be_rounded = beyond > 0 && beyond <= kRounding_s && !reader->skips() &&
+                                (AreWholeSeconds(controls) || AreWholeSeconds(*reader, kTime));
+    const std::string others =
+        may_be_rounded ? std::string("; ") + kWholeSeconds : OtherTimes(time, first, last);
     if (time < first)
       reader->Bad("before the first control", Shown(time) + " before " + Shown(first) + others);
     if (time > last) reader->Bad("after the last control", Shown(time) + " after " + Shown(last) + others);
@@ -311,6 +323,9 @@ class CsvImport {
       ++good;
     }
     skipped.RequireHalf(options_.observations, good);
+    for (const RobotRows& robot : rows_.robots)
+      WarnOf(options_.observations, robot.name,
+             DoubtRepeats(robot.observations.time_s, robot.observations.landmark));
   }
 
   void ReadTruthPoses() {
@@ -372,7 +387,9 @@ class CsvImport {
       auto& unassociated = open[static_cast<std::size_t>(robot - rows_.robots.data())];
       const auto next = unassociated.lower_bound(*time);
       if (next == unassociated.end() || next->first != *time) {
-        reader.Bad("no such observation", "of robot '" + robot->name + "' at " + Shown(*time));
+        const bool may_be_rounded = !bad_.skips() && AreWholeSeconds(reader, kTime);
+        reader.Bad("no such observation", "of robot '" + robot->name + "' at " + Shown(*time) +
+                                              (may_be_rounded ? std::string("; ") + kWholeSeconds : ""));
         continue;
       }
       robot->observations.truth_landmark[next->second] = truth_.Find(reader.Text(2));

@@ -5,6 +5,7 @@
 
 #include "datasets/common/unit_doubts.h"
 #include "datasets/import/csv_reader.h"
+#include "datasets/import/row_times.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {
@@ -24,8 +25,9 @@ PoseTracks::PoseTracks(const std::string& path, double smooth_s, BadLines* bad) 
     if (!heading) continue;
     Track& track = tracks_[has_runs_ ? std::string(reader.Text(has_heading_ ? 4 : 3)) : ""];
     if (!track.time_s.empty() && *time <= track.time_s.back()) {
-      reader.Bad("time does not run forward",
-                 std::to_string(*time) + " after " + std::to_string(track.time_s.back()));
+      reader.Bad("time does not run forward", std::to_string(*time) + " after " +
+                                                  std::to_string(track.time_s.back()) +
+                                                  HintOfSameTime(*time, track.time_s.back()));
       continue;
     }
     track.time_s.push_back(*time);

@@ -60,6 +60,8 @@ TEST_F(PoseTrackTest, RefusesWhatIsNoTrack) {
   ExpectContains(Failure("time_s,x_m,y_m\n0,0,0\n"), "track.csv: a track has two rows or more; it has one");
   ExpectContains(Failure("run,time_s,x_m,y_m\na,0,0,0\n"), "that of 'a' has one");
   ExpectContains(Failure("time_s,x_m,y_m\n0,0,0\n0,1,0\n"), "track.csv:3: time does not run forward");
+  ExpectContains(Failure("time_s,x_m,y_m\n5,0,0\n5,1,0\n"), "are times rounded to whole seconds?");
+  EXPECT_EQ(Failure("time_s,x_m,y_m\n5.5,0,0\n5.5,1,0\n").find("rounded"), std::string::npos);
   ExpectContains(Failure("time_s,x_m,y_m\n0,nan,0\n"), "track.csv:2: not finite");
 }
 

@@ -1,5 +1,7 @@
 #include "datasets/import/row_times.h"
 
+#include <cmath>
+
 #include "datasets/import/csv.h"
 #include "datasets/testing.h"
 
@@ -66,6 +68,91 @@ TEST(TimeDigits, AreTooFewWhereHundredsOfRowsHaveOneTime) {
   EXPECT_EQ(DoubtOf(1), "");
   EXPECT_EQ(DoubtOf(10), "") << "whole seconds";
   EXPECT_EQ(TimeDigits().Doubt(), "");
+}
+
+// A drive of a minute with ten rows of odometry and two observations a second, of which either file's times
+// may be rounded.
+class RoundedTimes : public ImportTest {
+ protected:
+  CsvImportOptions options_;
+
+  void Drive(double (*odometry)(double), double (*observations)(double), double from_s = 1.7e9) {
+    std::string rows = "time_s,turn_rad,forward_m\n", seen = "time_s,landmark,range_m,bearing_rad\n";
+    for (int i = 0; i < 600; ++i) {
+      rows += std::to_string(odometry(from_s + 0.1 * i)) + ",0.01,0.05\n";
+      if (i % 5 == 3) seen += std::to_string(observations(from_s + 0.1 * i)) + ",door,2,0\n";
+    }
+    options_.odometry = folder_.Put("o.csv", rows);
+    options_.observations = folder_.Put("s.csv", seen);
+  }
+  std::string Failure() {
+    return InputErrorOf([this] { ImportCsv(options_, &log_); });
+  }
+  std::vector<std::string> Warnings() { return ImportCsv(options_, &log_).warnings; }
+};
+
+double AsItIs(double time_s) { return time_s; }
+double Down(double time_s) { return std::floor(time_s); }
+double Up(double time_s) { return std::ceil(time_s); }
+
+constexpr const char* kHint = "are times rounded to whole seconds? Give them with fractions of a second";
+
+TEST_F(RoundedTimes, AnObservationJustBeyondTheLogIsTheirWork) {
+  Drive(Down, AsItIs);
+  ExpectContains(Failure(),
+                 std::string("after the last control: 1700000059.300000 after 1700000059.000000; ") + kHint);
+  Drive(AsItIs, Up);
+  ExpectContains(Failure(),
+                 std::string("after the last control: 1700000060.000000 after 1700000059.900000; ") + kHint);
+  Drive(Up, AsItIs, 0.5);
+  ExpectContains(Failure(), std::string("before the first control: 0.800000 before 1.000000; ") + kHint);
+  options_.skip_bad = true;
+  EXPECT_EQ(Failure(), "");
+}
+
+TEST_F(RoundedTimes, AnObservationThatIsLateForAnotherReasonIsNot) {
+  Drive(AsItIs, [](double time_s) { return time_s + 0.7; });
+  EXPECT_EQ(Failure().find(kHint), std::string::npos) << Failure();
+  Drive(Down, [](double time_s) { return time_s + 90; });
+  EXPECT_EQ(Failure().find(kHint), std::string::npos) << Failure();
+}
+
+TEST_F(RoundedTimes, AnAssociationOfNoObservationMayBeTheirWork) {
+  Drive(AsItIs, AsItIs, 0);
+  options_.truth_landmarks = folder_.Put("l.csv", "landmark,x_m,y_m\ndoor,1,2\n");
+  options_.truth_associations = folder_.Put("a.csv", "time_s,landmark\n0,door\n1,door\n");
+  ExpectContains(Failure(),
+                 std::string("a.csv:2: no such observation: of robot 'robot' at 0.000000; ") + kHint);
+  options_.truth_associations = folder_.Put("a.csv", "time_s,landmark\n0,door\n1.3,door\n");
+  EXPECT_EQ(Failure().find(kHint), std::string::npos) << Failure();
+}
+
+TEST_F(RoundedTimes, WhatCanBeReadInIsWithAWarning) {
+  Drive(Down, Down);
+  EXPECT_EQ(Warnings(),
+            (std::vector<std::string>{
+                options_.odometry + ": robot 'robot': 600 rows have 60 times, all whole seconds: " + kHint,
+                options_.observations +
+                    ": robot 'robot': 60 of 120 rows are of a landmark that another row is of at the same "
+                    "time, all times whole seconds: " +
+                    kHint}));
+  Drive(AsItIs, AsItIs);
+  EXPECT_EQ(Warnings(), std::vector<std::string>{});
+}
+
+// A log of one row a second has no other times, and one that turns, then goes has each twice.
+TEST(TimeDigits, OfWholeSecondsAreEnoughForARowASecond) {
+  TimeDigits one, two, three;
+  for (int i = 0; i < 100; ++i) {
+    one.Add(i);
+    for (int k = 0; k < 3; ++k) (k < 2 ? two : three).Add(i);
+  }
+  for (int i = 0; i < 100; ++i) three.Add(99);
+  EXPECT_EQ(one.Rounded(), "");
+  EXPECT_EQ(two.Rounded(), "");
+  EXPECT_EQ(three.Rounded(), "");
+  three.Add(99);
+  ExpectContains(three.Rounded(), "201 rows have 100 times, all whole seconds: are times rounded");
 }
 
 TEST(TimeDigits, AreAskedForBeforeObservationsAre) {

@@ -7,6 +7,7 @@
 
 #include "datasets/common/fields.h"
 #include "datasets/common/text_file.h"
+#include "datasets/import/row_times.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {
@@ -45,8 +46,9 @@ void AddPose(const Fields& line, std::size_t number, Poses* poses, Tilt* tilt) {
   const Pose at = line.PoseAt(1);
   const double heading = line.size() == kTum ? HeadingOf(line, tilt) : at.heading_rad;
   if (!poses->time_s.empty() && time <= poses->time_s.back())
-    throw LineError{"time does not run forward",
-                    std::to_string(time) + " after " + std::to_string(poses->time_s.back())};
+    throw LineError{"time does not run forward", std::to_string(time) + " after " +
+                                                     std::to_string(poses->time_s.back()) +
+                                                     HintOfSameTime(time, poses->time_s.back())};
   poses->Add(time, at.x_m, at.y_m, heading, number);
 }
 

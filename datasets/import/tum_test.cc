@@ -59,6 +59,7 @@ TEST_F(ImportTumTest, TiltIsSaidAndBadLinesAreNamed) {
   ExpectContains(Refusal("1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0\n"), "Rosa.tum:2: wrong number of values: 7");
   ExpectContains(Refusal("1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 0\n"), "Rosa.tum:2: no quaternion");
   ExpectContains(Refusal("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"), "Rosa.tum:2: time does not run forward");
+  ExpectContains(Refusal("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"), "are times rounded to whole seconds?");
   ExpectContains(Refusal("1 nan 0 0 0 0 0 1\n"), "Rosa.tum:1: not finite");
   ExpectContains(Refusal("#\n"), "there is no pose in it");
   const std::string file = folder_.Put("a.tum", "1 0 0 0\n");
