@@ -119,5 +119,35 @@ TEST_F(PrivateFolderTest, WhatSomebodyPutIntoOneOrMadeOfOneStays) {
   EXPECT_FALSE(fs::exists(left)) << "as soon as it is gone";
 }
 
+// What lies behind a link is whoever's: its name goes, and nothing else.
+TEST_F(PrivateFolderTest, ALeftoverIsNotLeftThroughALink) {
+  const fs::path left = MakeElsewhere();
+  KillIt();
+  fs::create_directories(temp_.path() / "victim");
+  std::ofstream(temp_.path() / "victim" / "thesis.txt") << "mine";
+  fs::create_directory_symlink(temp_.path() / "victim", left / "plan");
+  ASSERT_TRUE(PrivateFolder::Make().ok());
+  EXPECT_FALSE(fs::exists(left));
+  EXPECT_TRUE(fs::exists(temp_.path() / "victim" / "thesis.txt"));
+}
+
+TEST_F(PrivateFolderTest, AMarkThatIsALinkIsNone) {
+  const fs::path left = MakeElsewhere();
+  KillIt();
+  fs::rename(left / ".cairn-run", temp_.path() / "mark");
+  fs::create_symlink(temp_.path() / "mark", left / ".cairn-run");
+  ASSERT_TRUE(PrivateFolder::Make().ok());
+  EXPECT_TRUE(fs::exists(left / "hub"));
+}
+
+TEST_F(PrivateFolderTest, ThatOfAnotherUserStays) {
+  const fs::path left = MakeElsewhere();
+  KillIt();
+  constexpr uid_t kSomebody = 12345;
+  if (::chown(left.c_str(), kSomebody, static_cast<gid_t>(-1)) != 0) GTEST_SKIP() << "needs root";
+  ASSERT_TRUE(PrivateFolder::Make().ok());
+  EXPECT_TRUE(fs::exists(left / "hub"));
+}
+
 }  // namespace
 }  // namespace cairn::coordinator
