@@ -92,11 +92,12 @@ Status Append(sqlite3* db, const std::map<std::string, JobLines>& by_job) {
 
 Result<std::vector<wire::LogLine>> Read(sqlite3* db, const std::string& job, std::uint64_t after) {
   Result<Statement> prepared = sqlite::Prepare(
-      db, "SELECT number, utc, level, text FROM log WHERE job = ? AND number > ? ORDER BY number;");
+      db, "SELECT number, utc, level, text FROM log WHERE job = ? AND number > ? ORDER BY number LIMIT ?;");
   if (!prepared.ok()) return prepared.status();
   sqlite3_stmt* statement = prepared.value().get();
   Bind(statement, 1, job);
   Bind(statement, 2, after);
+  Bind(statement, 3, std::uint64_t{kLinesKept});  // more are none of ours
   std::vector<wire::LogLine> lines;
   int step = SQLITE_ROW;
   while ((step = sqlite3_step(statement)) == SQLITE_ROW) {

@@ -70,6 +70,42 @@ Status CheckTables(sqlite3* db) {
   return step == SQLITE_DONE ? Status::Ok() : sqlite::Failure(db);
 }
 
+// The list of tables is short, and each row of one that has no end costs the parsing of a statement.
+Status CheckVersionAndTables(sqlite3* db) {
+  constexpr std::uint64_t kSteps = 200'000;
+  const sqlite::StepLimit limit(db, kSteps);
+  const Result<std::int64_t> version = sqlite::Number(db, "PRAGMA user_version;");
+  if (!version.ok()) return version.status();
+  if (version.value() > kVersion)
+    return {Code::kVersion, std::string(sqlite3_db_filename(db, nullptr)) + ": a job table of version " +
+                                std::to_string(version.value()) +
+                                ", of a newer Cairn; this one knows version " + std::to_string(kVersion)};
+  return CheckTables(db);
+}
+
+// A thousand times what the lines of a job need.
+constexpr std::uint64_t kMostSteps = 50'000'000;
+
+// Enough to look at every row that such a file may hold a few times.
+std::uint64_t StepsFor(const std::filesystem::path& path) {
+  constexpr std::uint64_t kStepsAByte = 8;
+  std::uint64_t bytes = 0;
+  for (const char* ending : {"", "-wal"}) {
+    std::error_code missing;
+    const std::uintmax_t size = std::filesystem::file_size(path.string() + ending, missing);
+    if (!missing) bytes += size;
+  }
+  return kMostSteps + kStepsAByte * bytes;
+}
+
+// What is damaged while it is in use shows when it is read. The next start makes it anew.
+Status WithAdvice(const Status& status) {
+  if (status.code() != Code::kCorrupt) return status;
+  return {Code::kCorrupt, status.message() +
+                              "; start the coordinator again: it makes the table anew, without the logs of "
+                              "jobs, which go on"};
+}
+
 }  // namespace
 
 std::uint64_t NumberOfJob(const std::string& id) {
@@ -80,7 +116,7 @@ std::uint64_t NumberOfJob(const std::string& id) {
 
 void JobTable::Close::operator()(sqlite3* db) const { sqlite3_close(db); }
 
-Result<JobTable> JobTable::Open(const std::filesystem::path& path) {
+Result<JobTable> JobTable::OpenUnchecked(const std::filesystem::path& path) {
   JobTable table;
   sqlite3* db = nullptr;
   const int opened = sqlite3_open(path.c_str(), &db);
@@ -88,23 +124,39 @@ Result<JobTable> JobTable::Open(const std::filesystem::path& path) {
   if (opened != SQLITE_OK && db != nullptr) return sqlite::Failure(db);
   if (opened != SQLITE_OK) return Status(Code::kIo, path.string() + ": " + sqlite3_errstr(opened));
   if (Status status = sqlite::Harden(db); !status.ok()) return status;
+  return table;
+}
+
+Result<JobTable> JobTable::Open(const std::filesystem::path& path) {
+  Result<JobTable> opened = OpenUnchecked(path);
+  if (!opened.ok()) return opened;
+  JobTable& table = opened.value();
+  sqlite3* db = table.db_.get();
+  if (Status status = CheckVersionAndTables(db); !status.ok()) return status;
+  const sqlite::StepLimit limit(db, StepsFor(path));
   if (Status status = table.MakeOrUpgrade(); !status.ok()) return status;
   // A file without it is not ours.
   const Result<std::int64_t> last = sqlite::Number(db, "SELECT number FROM last_number;");
   if (!last.ok()) return last.status();
   table.last_number_ = static_cast<std::uint64_t>(std::max<std::int64_t>(last.value(), 0));
-  return table;
+  return opened;
+}
+
+std::uint64_t JobTable::LastNumberIn(const std::filesystem::path& path) {
+  const Result<JobTable> table = OpenUnchecked(path);
+  if (!table.ok()) return 0;
+  sqlite3* db = table.value().db_.get();
+  if (!CheckVersionAndTables(db).ok()) return 0;
+  const sqlite::StepLimit limit(db, kMostSteps);
+  const Result<std::int64_t> last = sqlite::Number(db, "SELECT number FROM last_number;");
+  return last.ok() ? static_cast<std::uint64_t>(std::max<std::int64_t>(last.value(), 0)) : 0;
 }
 
 // All or nothing.
 Status JobTable::MakeOrUpgrade() const {
   const Result<std::int64_t> version = sqlite::Number(db_.get(), "PRAGMA user_version;");
   if (!version.ok()) return version.status();
-  if (version.value() > kVersion)
-    return {Code::kVersion, std::string(sqlite3_db_filename(db_.get(), nullptr)) +
-                                ": a job table of version " + std::to_string(version.value()) +
-                                ", of a newer Cairn; this one knows version " + std::to_string(kVersion)};
-  Status status = CheckTables(db_.get());
+  Status status = sqlite::CheckPages(db_.get());
   if (status.ok()) status = Execute(kOpen);
   if (!status.ok() || version.value() == kVersion) return status;
   status = Execute("BEGIN IMMEDIATE;");
@@ -127,7 +179,10 @@ Status JobTable::NoteNumber(const std::string& job) {
   return Execute(("UPDATE last_number SET number = max(number, " + std::to_string(number) + ");").c_str());
 }
 
-Status JobTable::Remove(const std::string& job) { return log_table::Remove(db_.get(), job); }
+Status JobTable::Remove(const std::string& job) {
+  const sqlite::StepLimit limit(db_.get(), kMostSteps);
+  return WithAdvice(log_table::Remove(db_.get(), job));
+}
 
 // No checkpoint will tell this number any more. With FULL a commit is synced.
 Status JobTable::NoteRemoval(const std::string& job) {
@@ -140,11 +195,15 @@ Status JobTable::NoteRemoval(const std::string& job) {
 }
 
 Status JobTable::AppendLog(const std::map<std::string, JobLines>& by_job) {
-  return log_table::Append(db_.get(), by_job);
+  const sqlite::StepLimit limit(db_.get(), kMostSteps * (1 + by_job.size()));
+  return WithAdvice(log_table::Append(db_.get(), by_job));
 }
 
 Result<std::vector<wire::LogLine>> JobTable::ReadLog(const std::string& job, std::uint64_t after) const {
-  return log_table::Read(db_.get(), job, after);
+  const sqlite::StepLimit limit(db_.get(), kMostSteps);
+  Result<std::vector<wire::LogLine>> lines = log_table::Read(db_.get(), job, after);
+  if (!lines.ok()) return WithAdvice(lines.status());
+  return lines;
 }
 
 }  // namespace cairn::coordinator

@@ -22,10 +22,13 @@ std::uint64_t NumberOfJob(const std::string& id);
 // For one thread.
 class JobTable {
  public:
-  // Opens or makes the file; one of an earlier version is upgraded.
+  // Opens or makes the file; one of an earlier version is upgraded. Takes time in proportion to the file,
+  // whatever is in it.
   // kCorrupt: it is not a job table, or damaged.
   // kVersion: of a later version; then it is not touched.
   static Result<JobTable> Open(const std::filesystem::path& path);
+  // LastNumber() of a table that may be damaged; 0 where it cannot be told.
+  static std::uint64_t LastNumberIn(const std::filesystem::path& path);
   JobTable(JobTable&&) noexcept = default;
   JobTable& operator=(JobTable&&) noexcept = default;
 
@@ -46,6 +49,7 @@ class JobTable {
     void operator()(sqlite3* db) const;
   };
   JobTable() = default;
+  static Result<JobTable> OpenUnchecked(const std::filesystem::path& path);
   Status Execute(const char* sql) const;
   Status MakeOrUpgrade() const;
 

@@ -182,11 +182,15 @@ Result<JobTable> OpenJobTable(const StoreFolder& folder, const LogSink& log) {
   Result<JobTable> table = JobTable::Open(folder.JobTable());
   if (table.ok() || table.status().code() != Code::kCorrupt) return table;
   log(Severity::kWarning, "made the job table anew, without the logs of jobs: " + table.status().message());
+  const std::uint64_t last = JobTable::LastNumberIn(folder.JobTable());
   Quarantine(folder.JobTable());
   std::error_code ignored;
   fs::remove(folder.JobTable().string() + "-wal", ignored);
   fs::remove(folder.JobTable().string() + "-shm", ignored);
-  return JobTable::Open(folder.JobTable());
+  Result<JobTable> anew = JobTable::Open(folder.JobTable());
+  if (anew.ok() && last > 0)
+    if (Status status = anew.value().NoteRemoval(std::to_string(last)); !status.ok()) return status;
+  return anew;
 }
 
 }  // namespace cairn::coordinator

@@ -4,8 +4,25 @@
 #include <utility>
 
 #include "schema/store/atomic_file.h"
+#include "schema/text.h"
 
 namespace cairn::coordinator::sqlite {
+namespace {
+
+constexpr int kPortion = 10'000;  // of steps, between two looks
+constexpr std::size_t kMostFoundBytes = 200;
+
+bool IsDamage(int code) {
+  return code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR || code == SQLITE_TOOBIG ||
+         code == SQLITE_INTERRUPT;  // which StepLimit alone does
+}
+
+std::string NameOf(sqlite3* db) {
+  const char* name = sqlite3_db_filename(db, nullptr);
+  return name == nullptr || *name == '\0' ? "job table" : name;
+}
+
+}  // namespace
 
 Status Harden(sqlite3* db) {
   for (const auto& [option, on] : {std::pair{SQLITE_DBCONFIG_DEFENSIVE, 1},
@@ -14,21 +31,44 @@ Status Harden(sqlite3* db) {
                                    {SQLITE_DBCONFIG_ENABLE_VIEW, 0}})
     if (sqlite3_db_config(db, option, on, nullptr) != SQLITE_OK)
       return {Code::kIo, "this SQLite is too old: it cannot be told to follow nothing that a file says"};
-  return Status::Ok();
+  constexpr int kMostTextBytes = 16 << 20;
+  sqlite3_limit(db, SQLITE_LIMIT_LENGTH, kMostTextBytes);
+  return Execute(db, "PRAGMA cell_size_check = ON;");
+}
+
+StepLimit::StepLimit(sqlite3* db, std::uint64_t most) : db_(db), left_(most / kPortion) {
+  sqlite3_progress_handler(db_, kPortion, CountDown, &left_);
+}
+
+StepLimit::~StepLimit() { sqlite3_progress_handler(db_, 0, nullptr, nullptr); }
+
+int StepLimit::CountDown(void* left) {
+  std::uint64_t& portions = *static_cast<std::uint64_t*>(left);
+  if (portions == 0) return 1;
+  --portions;
+  return 0;
+}
+
+Status CheckPages(sqlite3* db) {
+  Result<Statement> prepared = Prepare(db, "PRAGMA quick_check(1);");
+  if (!prepared.ok()) return prepared.status();
+  if (sqlite3_step(prepared.value().get()) != SQLITE_ROW) return Failure(db);
+  const std::string found = Text(prepared.value().get(), 0);
+  if (found == "ok") return Status::Ok();
+  return {Code::kCorrupt, NameOf(db) + ": damaged: " + Printable(found, kMostFoundBytes)};
 }
 
 Status Failure(sqlite3* db) {
   const int code = sqlite3_errcode(db) & 0xff;
-  const Code kind = code == SQLITE_CORRUPT || code == SQLITE_NOTADB || code == SQLITE_ERROR ? Code::kCorrupt
-                    : code == SQLITE_FULL                                                   ? Code::kNoSpace
-                                                                                            : Code::kIo;
-  const char* name = sqlite3_db_filename(db, nullptr);
-  const std::string file = name == nullptr ? "job table" : name;
+  const Code kind = IsDamage(code) ? Code::kCorrupt : code == SQLITE_FULL ? Code::kNoSpace : Code::kIo;
+  const std::string file = NameOf(db);
   // SQLite calls all of these "disk I/O error", but for the first write that meets a full disk.
   const bool at_disk = code == SQLITE_IOERR || code == SQLITE_FULL || code == SQLITE_CANTOPEN;
   const int error = code == SQLITE_FULL && sqlite3_system_errno(db) == 0 ? ENOSPC : sqlite3_system_errno(db);
   if (at_disk && error != 0) return SystemFailure(file, "cannot be written or read", error);
-  return {kind, file + ": " + sqlite3_errmsg(db)};
+  if (code == SQLITE_INTERRUPT)
+    return {kind, file + ": damaged: reading it takes more steps than a file of its size needs"};
+  return {kind, file + (kind == Code::kCorrupt ? ": damaged: " : ": ") + sqlite3_errmsg(db)};
 }
 
 Result<Statement> Prepare(sqlite3* db, const char* sql) {

@@ -16,10 +16,31 @@ struct Finalize {
 };
 using Statement = std::unique_ptr<sqlite3_stmt, Finalize>;
 
-// What the file may say is not followed: no triggers, no views, no functions but harmless ones.
+// What the file may say is not followed: no triggers, no views, no functions but harmless ones; no text of it
+// takes more than a few megabytes.
 Status Harden(sqlite3* db);
 // Of the last call: kCorrupt, kNoSpace or kIo, with the file's name.
 Status Failure(sqlite3* db);
+
+// While it lives, what the connection does ends with kCorrupt after so many steps of SQLite's machine (some
+// ten a row): pages that name each other in a circle, or the same page a hundred times, would be read for
+// ever. Steps, not seconds: a slow machine reads what a fast one reads.
+class StepLimit {
+ public:
+  StepLimit(sqlite3* db, std::uint64_t most);
+  ~StepLimit();
+  StepLimit(const StepLimit&) = delete;
+  StepLimit& operator=(const StepLimit&) = delete;
+
+ private:
+  static int CountDown(void* left);
+  sqlite3* db_;
+  std::uint64_t left_;  // in portions of kPortion
+};
+
+// kCorrupt where its pages are not a database's: one is named twice, or none is where one should be. Takes
+// time and steps in proportion to the file.
+Status CheckPages(sqlite3* db);
 Result<Statement> Prepare(sqlite3* db, const char* sql);
 Status Execute(sqlite3* db, const char* sql);
 // The one number that a query gives.
