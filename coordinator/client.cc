@@ -189,11 +189,14 @@ Result<wire::Message> Client::AskOnce(const wire::Message& question, double time
       const std::string service = "the service at " + options_.endpoint;
       if (lost && !sent) return Status(Code::kIo, service + " went away before it answered");
       if (!sent && broken)
-        return Status(Code::kIo, service +
-                                     " breaks off each connection before it is secured: is the server key "
-                                     "that of the coordinator, and has this key no connections too many?");
-      return Status(Code::kIo,
-                    sent ? service + " does not answer" : "no service listens at " + options_.endpoint);
+        return Status(Code::kIo,
+                      service +
+                          " breaks off each connection before it is secured, or nothing comes "
+                          "back from there: is the server key that of the coordinator, has this key "
+                          "no connections too many, does the network pass both ways?");
+      return Status(Code::kIo, sent ? service + " does not answer"
+                                    : "no service listens at " + options_.endpoint +
+                                          ", or the one that does stands still");
     }
     // Unsent, the connection may be there before its event is: look again soon.
     end += WaitedTooLong(poller, sent ? Left(end) : std::min(Left(end), std::chrono::milliseconds(20)));

@@ -62,6 +62,7 @@ void CatchSignals() {
   struct sigaction action{};
   action.sa_handler = OnSignal;
   for (const int number : {SIGINT, SIGTERM}) ::sigaction(number, &action, nullptr);
+  ::signal(SIGPIPE, SIG_IGN);  // who read its log may go; it stays
 }
 
 void Declare(cli::Command app, Arguments& a) {

@@ -370,6 +370,11 @@ void Run::KillTheLost(WorkerPool& workers) {
 // The hub may have known it by its connection first, which does not tell how.
 void Run::SayHowItDied(const WorkerPool::Death& death) const {
   if (death.signal == 0) return;
+  if (death.killed_here) {
+    options_.log(Severity::kWarning, "worker process " + std::to_string(death.pid) +
+                                         " was silent for too long (stopped?) and is replaced by another");
+    return;
+  }
   options_.log(Severity::kWarning,
                "worker process " + std::to_string(death.pid) + " died of signal " +
                    std::to_string(death.signal) + " (" + ::strsignal(death.signal) + ")" +

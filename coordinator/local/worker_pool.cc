@@ -84,7 +84,8 @@ std::vector<WorkerPool::Death> WorkerPool::Reap() {
     int status = 0;
     if (place.pid == 0 || ::waitpid(place.pid, &status, WNOHANG) != place.pid) continue;
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    deaths.push_back({place.pid, code == kExitRefused, WIFSIGNALED(status) ? WTERMSIG(status) : 0});
+    deaths.push_back({place.pid, code == kExitRefused, WIFSIGNALED(status) ? WTERMSIG(status) : 0,
+                      std::exchange(place.killed_here, false)});
     place.pid = 0;
     if (code == kExitCannotExec || place.restarts >= options_.restarts) continue;
     ++place.restarts;
@@ -93,9 +94,11 @@ std::vector<WorkerPool::Death> WorkerPool::Reap() {
   return deaths;
 }
 
-void WorkerPool::Kill(std::int64_t pid) const {
-  if (std::ranges::any_of(places_, [pid](const Place& place) { return place.pid == pid; }))
-    ::kill(static_cast<pid_t>(pid), SIGKILL);
+void WorkerPool::Kill(std::int64_t pid) {
+  const auto place = std::ranges::find(places_, pid, &Place::pid);
+  if (place == places_.end()) return;
+  ::kill(place->pid, SIGKILL);
+  place->killed_here = true;
 }
 
 bool WorkerPool::AllGone() const {

@@ -34,13 +34,14 @@ class WorkerPool {
   Status Start();
   struct Death {
     std::int64_t pid = 0;
-    bool refused = false;  // it says that it was, or that it cannot connect
-    int signal = 0;        // that ended it; 0: none did
+    bool refused = false;      // it says that it was, or that it cannot connect
+    int signal = 0;            // that ended it; 0: none did
+    bool killed_here = false;  // by Kill()
   };
   // Those that have died since the last call; they were started again while their turns last.
   std::vector<Death> Reap();
   // Nothing where it is none of these any more.
-  void Kill(std::int64_t pid) const;
+  void Kill(std::int64_t pid);
   bool AllGone() const;  // and none is started again
   // Waits for them to end by themselves for up to `patience_s`, then kills.
   void End(double patience_s);
@@ -49,6 +50,7 @@ class WorkerPool {
   struct Place {
     pid_t pid = 0;  // 0: nobody
     int restarts = 0;
+    bool killed_here = false;
   };
   Status OpenLog();
   Result<pid_t> Spawn() const;

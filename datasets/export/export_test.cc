@@ -79,7 +79,13 @@ TEST(Export, LeavesFilesAloneThatAreThereUnlessToldToReplaceThem) {
   const TestFolder folder;
   const std::string file = ExportCsv(SmallLog(), folder / "csv").value().at(0);
   const auto before = LinesOf(file);
+  const auto rest = LinesOf(folder / "csv/observations.csv");
   std::filesystem::remove(folder / "csv/observations.csv");
+  // As one that was cut off leaves it: it is gone on with.
+  EXPECT_EQ(ExportCsv(SmallLog(), folder / "csv", false).value().size(), 2U);
+  EXPECT_EQ(LinesOf(folder / "csv/observations.csv"), rest);
+  std::filesystem::remove(folder / "csv/observations.csv");
+  std::ofstream(file, std::ios::app) << "x";
   ExpectContains(InputErrorOf([&] { (void)ExportCsv(SmallLog(), folder / "csv", false); }),
                  "odometry.csv' is there already");
   EXPECT_FALSE(std::filesystem::exists(folder / "csv/observations.csv")) << "all or nothing";

@@ -11,6 +11,7 @@
 #include "schema/kinds/landmark_map.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/checksum_trailer.h"
+#include "schema/store/regular_file.h"
 
 namespace cairn::datasets {
 namespace {
@@ -43,6 +44,14 @@ Occupancy JoinedLayers(const Blob& blob) {
   for (const char* name : {"map/grid/origin_x_m", "map/grid/origin_y_m", "map/grid/cell_m"})
     joined.Put(name, blob.at(name));
   return ReadOccupancy(joined);
+}
+
+// The file is there and holds these bytes: an export that was cut off is gone on with.
+bool Holds(const std::string& path, const std::string& text) {
+  const Result<RegularFile> file = RegularFile::Open(path);
+  if (!file.ok() || file.value().size() != text.size()) return false;
+  std::string bytes(text.size(), '\0');
+  return file.value().ReadAt(std::as_writable_bytes(std::span(bytes)), 0) == 0 && bytes == text;
 }
 
 }  // namespace
@@ -106,26 +115,27 @@ void FolderWriter::Write(const std::string& name, std::string text) {
 }
 
 Written FolderWriter::Finish() {
-  const auto check_is_new = [&](const std::string& path) {
-    if (!replace_ && std::filesystem::exists(std::filesystem::symlink_status(path)))
+  const auto check_is_new = [&](const std::string& path, const std::string& text) {
+    if (!replace_ && std::filesystem::exists(std::filesystem::symlink_status(path)) && !Holds(path, text))
       throw InputError("'" + path + "' is there already (--force replaces it)");
     // It may be what is exported.
     if (store::HasTrailer(path))
       throw InputError("'" + path + "' is a file of Cairn's own, which no export replaces");
   };
-  for (const auto& [path, text] : files_) check_is_new(path);
+  for (const auto& [path, text] : files_) check_is_new(path, text);
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error) return SystemFailure(folder_, "cannot make the folder", error.value());
   std::vector<std::string> paths;
   for (const auto& [path, text] : files_) {
     const auto bytes = std::as_bytes(std::span(text));
+    paths.push_back(path);
+    if (!replace_ && Holds(path, text)) continue;
     if (Status status = replace_ ? WriteFileAtomically(path, bytes) : WriteNewFileAtomically(path, bytes);
         !status.ok()) {
-      check_is_new(path);  // another has come to be there meanwhile
+      check_is_new(path, text);  // another has come to be there meanwhile
       return status;
     }
-    paths.push_back(path);
   }
   return paths;
 }

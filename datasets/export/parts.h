@@ -47,9 +47,9 @@ class FolderWriter {
   FolderWriter(std::string folder, bool replace) : folder_(std::move(folder)), replace_(replace) {}
   void Write(const std::string& name, std::string text);
   // The paths, or the first failure.
-  // Throws InputError, and writes nothing, where one of the files is there already and none is to be
-  // replaced; nor is one that has come to be there meanwhile. Nor is ever a file of Cairn (it may be the
-  // input).
+  // Throws InputError, and writes nothing, where one of the files is there already with other bytes and none
+  // is to be replaced; nor is one that has come to be there meanwhile. Nor is ever a file of Cairn (it may be
+  // the input).
   Written Finish();
 
  private:

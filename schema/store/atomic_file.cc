@@ -47,14 +47,18 @@ std::filesystem::path FolderOf(const std::filesystem::path& path) {
 // By which Cairn's temporary files are told from those of other programs, which have such numbers too.
 constexpr std::string_view kBegin = ".cairn-", kEnd = ".tmp";
 
+// What the names of temporary files of `path` begin with; the process, a number and kEnd follow.
+std::string BeginFor(const std::filesystem::path& path) {
+  constexpr std::size_t kMostOfName = 128;  // with the rest it stays a name that a file may have
+  return std::string(kBegin) + CutTo(path.filename().string(), kMostOfName) + ".";
+}
+
 // The name of a temporary file of `path`, which is this process's as long as the object lives.
 class Temporary {
  public:
   explicit Temporary(const std::filesystem::path& path) {
-    constexpr std::size_t kMostOfName = 128;  // with the rest it stays a name that a file may have
     static std::atomic<unsigned> counter{0};
-    std::string name(kBegin);
-    name += CutTo(path.filename().string(), kMostOfName) + "." + std::to_string(::getpid()) + "-";
+    const std::string name = BeginFor(path) + std::to_string(::getpid()) + "-";
     path_ = FolderOf(path) / (name + std::to_string(counter++) + std::string(kEnd));
     const std::lock_guard lock(mutex_);
     names_.insert(path_.filename());
@@ -265,6 +269,17 @@ std::vector<std::filesystem::path> Leftovers(const std::filesystem::path& folder
 void RemoveLeftovers(const std::filesystem::path& folder) {
   std::error_code ignored;
   for (const std::filesystem::path& path : Leftovers(folder)) std::filesystem::remove(path, ignored);
+}
+
+void RemoveLeftoversOf(const std::filesystem::path& file) {
+  const std::string begin = BeginFor(file);
+  for (const std::filesystem::path& path : Leftovers(FolderOf(file))) {
+    const std::string name = path.filename().string();
+    std::error_code ignored;
+    // Of "a", not of "a.b", whose name begins with it.
+    if (name.starts_with(begin) && name.find('.', begin.size()) == name.size() - kEnd.size())
+      std::filesystem::remove(path, ignored);
+  }
 }
 
 }  // namespace cairn

@@ -46,6 +46,8 @@ Status SyncFolder(const std::filesystem::path& folder);
 std::vector<std::filesystem::path> Leftovers(const std::filesystem::path& folder);
 // Removes them. What cannot be removed stays.
 void RemoveLeftovers(const std::filesystem::path& folder);
+// Those alone that processes left behind while they wrote this file.
+void RemoveLeftoversOf(const std::filesystem::path& file);
 
 // The Status for a failed system call on `path`: kNotFound; kNoSpace (also quotas and file size limits);
 // kRefused: no place to write to (no right to, read-only, no name that a file may have); kIo.

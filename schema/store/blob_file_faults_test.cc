@@ -362,5 +362,18 @@ TEST(RemoveLeftovers, TakesOnlyWhatADeadProcessLeft) {
   EXPECT_EQ(files, stay);
 }
 
+TEST(RemoveLeftovers, OfAFileTakesNoneOfAnother) {
+  const TempFolder folder;
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(0);
+  ASSERT_EQ(::waitpid(child, nullptr, 0), child);
+  const std::string end = "." + std::to_string(child) + "-0.tmp";
+  for (const char* name : {"a", "a.b", "b"}) std::ofstream(folder / (".cairn-" + (name + end))) << "x";
+  RemoveLeftoversOf(folder / "a");
+  std::vector<std::string> files = folder.Files();
+  std::ranges::sort(files);
+  EXPECT_EQ(files, (std::vector<std::string>{".cairn-a.b" + end, ".cairn-b" + end}));
+}
+
 }  // namespace
 }  // namespace cairn

@@ -21,7 +21,10 @@ cairn run evidence_map corridor.h5 --out grid --set cell_m=0.1 >/dev/null 2>&1
 for mode in trinary scale raw; do exits 0 cairn export ros grid "$mode" --mode "$mode"; done
 exits 0 cairn export png grid pictures
 exits 0 cairn export octomap grid tree
+exits 0 cairn export octomap grid tree  # the same again
+echo >>tree/map.bt
 refuses "is there already" cairn export octomap grid tree
+exits 0 cairn export octomap grid tree --force
 refuses "mode.*\{trinary,scale,raw\}|trinary" cairn export ros grid other --mode grey
 
 cat >serve.py <<'END'

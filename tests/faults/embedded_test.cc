@@ -416,6 +416,8 @@ TEST_F(Embedded, AWorkerThatStandsStillIsReplaced) {
   const EmbeddedResult result = Run();
   ASSERT_EQ(result.end, EmbeddedEnd::kDone) << result.reason;
   EXPECT_TRUE(stopped);
+  EXPECT_NE(lines_.find("was silent for too long (stopped?) and is replaced"), std::string::npos) << lines_;
+  EXPECT_EQ(lines_.find("memory ran out"), std::string::npos) << lines_;
   EXPECT_EQ(Have(), Want());
   EXPECT_TRUE(Children().empty());
 }

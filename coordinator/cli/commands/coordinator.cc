@@ -1,4 +1,4 @@
-#include <cstdio>
+#include <csignal>
 
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/home.h"
@@ -26,7 +26,8 @@ int Serve(const CoordinatorArguments& options, const Invocation& call) {
     DefaultKey("coordinator.key");
   }
   Invocation talkative = call;
-  talkative.verbose = true;  // a service's log is all that there is to see of it
+  talkative.verbose = true;       // a service's log is all that there is to see of it
+  std::signal(SIGPIPE, SIG_IGN);  // who read it may go; the service stays
   Console console(talkative);
   Check(coordinator::Serve(service, console.Sink(), StopOnSignals()));
   return kExitDone;

@@ -47,6 +47,7 @@ void WriteOutput(const std::string& path, const std::string& kind, const Blob& b
   const Status written = force ? WriteBlobFile(path, kind, blob) : WriteNewBlobFile(path, kind, blob);
   if (!written.ok()) CheckOverwrite(path, force);
   Check(written);
+  RemoveLeftoversOf(path);  // of the same command, killed
 }
 
 void WriteOutput(const std::string& path, std::string_view bytes, bool force) {
@@ -54,6 +55,7 @@ void WriteOutput(const std::string& path, std::string_view bytes, bool force) {
   const Status written = force ? WriteFileAtomically(path, span) : WriteNewFileAtomically(path, span);
   if (!written.ok()) CheckOverwrite(path, force);
   Check(written);
+  RemoveLeftoversOf(path);  // of the same command, killed
 }
 
 }  // namespace cairn::cli
