@@ -37,10 +37,10 @@ function(cairn_program name)
   install(TARGETS ${name} RUNTIME)
 endfunction()
 
-# cairn_test(NAME SOURCES … DEPS … [LABELS …] [UNSANITIZED …]): one GoogleTest program per folder, a ctest entry per test.
-# In a sanitizer's build, where a process takes long to start, an entry is half of a program's tests, and carries the
-# sanitizer's name. UNSANITIZED: patterns of tests that compute for many seconds what shorter ones compute too; a
-# sanitizer's build leaves them out.
+# cairn_test(NAME SOURCES … DEPS … [LABELS …] [PARTS N] [UNSANITIZED …]): one GoogleTest program per folder, a ctest entry per
+# test. PARTS: an entry is one of so many parts of all tests, for they share what takes long to make. In a sanitizer's
+# build, where a process takes long to start, there are two parts, which carry the sanitizer's name. UNSANITIZED: patterns
+# of tests that compute for many seconds what shorter ones compute too; a sanitizer's build leaves them out.
 include(GoogleTest)
 # A limit is for tests that hang, not for slow machines: five times what a test may take on a loaded machine of two cores.
 set(CAIRN_TEST_LIMIT_S 1500)
@@ -55,7 +55,7 @@ function(cairn_test name)
   if(asked AND NOT folder MATCHES "^(${asked})$")
     return()
   endif()
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPS;LABELS;UNSANITIZED" ${ARGN})
+  cmake_parse_arguments(ARG "" "PARTS" "SOURCES;DEPS;LABELS;UNSANITIZED" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE cairn::flags ${ARG_DEPS} GTest::gtest GTest::gtest_main)
   target_compile_options(${name} PRIVATE ${CAIRN_COLD})
@@ -64,7 +64,15 @@ function(cairn_test name)
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()
-  if(NOT CAIRN_SANITIZE)
+  set(entry "${name}")
+  set(parts 2)
+  if(CAIRN_SANITIZE)
+    target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/cmake/sanitizer_options.cc)
+    set(entry "${CAIRN_SANITIZE}: ${name}")
+  elseif(ARG_PARTS)
+    set(parts ${ARG_PARTS})
+    set(ARG_UNSANITIZED "")
+  else()
     set(cost 0)
     if(ARG_LABELS STREQUAL long)
       set(cost 100)  # first, as tests/end_to_end's
@@ -73,12 +81,12 @@ function(cairn_test name)
       PROPERTIES TIMEOUT ${CAIRN_TEST_LIMIT_S} LABELS "${ARG_LABELS}" COST ${cost})
     return()
   endif()
-  target_sources(${name} PRIVATE ${CMAKE_SOURCE_DIR}/cmake/sanitizer_options.cc)
   string(REPLACE ";" ":" left_out "${ARG_UNSANITIZED}")
-  foreach(half IN ITEMS 0 1)
-    set(entry "${CAIRN_SANITIZE}: ${name}, half ${half}")
-    add_test(NAME "${entry}" COMMAND ${name} --gtest_brief=1 "--gtest_filter=-${left_out}")
-    set_tests_properties("${entry}" PROPERTIES TIMEOUT ${CAIRN_TEST_LIMIT_S} LABELS "${ARG_LABELS}" COST 60
-      ENVIRONMENT "GTEST_TOTAL_SHARDS=2;GTEST_SHARD_INDEX=${half}")
+  foreach(part RANGE 1 ${parts})
+    math(EXPR index "${part} - 1")
+    add_test(NAME "${entry}, part ${part} of ${parts}" COMMAND ${name} --gtest_brief=1 "--gtest_filter=-${left_out}")
+    set_tests_properties("${entry}, part ${part} of ${parts}" PROPERTIES
+      TIMEOUT ${CAIRN_TEST_LIMIT_S} LABELS "${ARG_LABELS}" COST 60
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${parts};GTEST_SHARD_INDEX=${index}")
   endforeach()
 endfunction()
