@@ -39,7 +39,7 @@ if find killed -name '*.tmp' | grep -q .; then die "a half-written file is left:
 # long version.
 fine_kills=${FINE_KILLS:-2}
 settings=()
-for pair in ${FINE_SETTINGS:-cell_m=0.2 heading_deg=2 starts=1}; do settings+=(--set "$pair"); done
+for pair in ${FINE_SETTINGS:-cell_m=0.25 heading_deg=2 starts=1}; do settings+=(--set "$pair"); done
 cairn simulate loop --difficulty base --seed 5 fine.h5 >/dev/null
 fine=(cairn run landmark_map fine.h5 "${settings[@]}" --workers 2)
 computed() { # PID: what its workers have used
