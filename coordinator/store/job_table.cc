@@ -121,7 +121,7 @@ Result<JobTable> JobTable::OpenUnchecked(const std::filesystem::path& path) {
   sqlite3* db = nullptr;
   const int opened = sqlite3_open(path.c_str(), &db);
   table.db_.reset(db);
-  if (opened != SQLITE_OK && db != nullptr) return sqlite::Failure(db);
+  if (opened != SQLITE_OK && db != nullptr) return sqlite::Failure(db, path.string());
   if (opened != SQLITE_OK) return Status(Code::kIo, path.string() + ": " + sqlite3_errstr(opened));
   if (Status status = sqlite::Harden(db); !status.ok()) return status;
   return table;

@@ -1,6 +1,7 @@
 #include "coordinator/store/sqlite.h"
 
 #include <cerrno>
+#include <filesystem>
 #include <utility>
 
 #include "schema/store/atomic_file.h"
@@ -58,13 +59,17 @@ Status CheckPages(sqlite3* db) {
   return {Code::kCorrupt, NameOf(db) + ": damaged: " + Printable(found, kMostFoundBytes)};
 }
 
-Status Failure(sqlite3* db) {
+Status Failure(sqlite3* db, const std::string& opened) {
   const int code = sqlite3_errcode(db) & 0xff;
   const Code kind = IsDamage(code) ? Code::kCorrupt : code == SQLITE_FULL ? Code::kNoSpace : Code::kIo;
-  const std::string file = NameOf(db);
+  const std::string file = opened.empty() ? NameOf(db) : opened;
   // SQLite calls all of these "disk I/O error", but for the first write that meets a full disk.
   const bool at_disk = code == SQLITE_IOERR || code == SQLITE_FULL || code == SQLITE_CANTOPEN;
-  const int error = code == SQLITE_FULL && sqlite3_system_errno(db) == 0 ? ENOSPC : sqlite3_system_errno(db);
+  // Where it cannot make a file it tries to read it, and tells that it is not there.
+  const bool no_room = code == SQLITE_CANTOPEN && sqlite3_system_errno(db) == ENOENT &&
+                       HasNoRoomForFiles(std::filesystem::path(file).parent_path());
+  const bool full = no_room || (code == SQLITE_FULL && sqlite3_system_errno(db) == 0);
+  const int error = full ? ENOSPC : sqlite3_system_errno(db);
   if (at_disk && error != 0) return SystemFailure(file, "cannot be written or read", error);
   if (code == SQLITE_INTERRUPT)
     return {kind, file + ": damaged: reading it takes more steps than a file of its size needs"};

@@ -19,8 +19,9 @@ using Statement = std::unique_ptr<sqlite3_stmt, Finalize>;
 // What the file may say is not followed: no triggers, no views, no functions but harmless ones; no text of it
 // takes more than a few megabytes.
 Status Harden(sqlite3* db);
-// Of the last call: kCorrupt, kNoSpace or kIo, with the file's name.
-Status Failure(sqlite3* db);
+// Of the last call: kCorrupt, kNoSpace or kIo, with the file's name; `opened` is that of one that could not
+// be opened, which SQLite forgets.
+Status Failure(sqlite3* db, const std::string& opened = {});
 
 // While it lives, what the connection does ends with kCorrupt after so many steps of SQLite's machine (some
 // ten a row): pages that name each other in a circle, or the same page a hundred times, would be read for

@@ -162,11 +162,6 @@ bool IsRefusal(int error_number) {
 
 // Its bytes are not what it lacks. File systems that make room for files as they need it say that they have
 // 0.
-bool HasNoRoomForFiles(const std::filesystem::path& folder) {
-  struct statvfs disk{};
-  return ::statvfs(folder.c_str(), &disk) == 0 && disk.f_files > 0 && disk.f_favail == 0 && disk.f_bavail > 0;
-}
-
 // Returns errno, or 0.
 int RenameOver(const std::filesystem::path& from, const std::filesystem::path& to) {
   return ::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno;
@@ -204,6 +199,11 @@ Status WriteAndPublish(const std::filesystem::path& path, std::span<const std::b
 }
 
 }  // namespace
+
+bool HasNoRoomForFiles(const std::filesystem::path& folder) {
+  struct statvfs disk{};
+  return ::statvfs(folder.c_str(), &disk) == 0 && disk.f_files > 0 && disk.f_favail == 0 && disk.f_bavail > 0;
+}
 
 Status SystemFailure(const std::filesystem::path& path, const std::string& doing, int error_number) {
   const bool full = error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;

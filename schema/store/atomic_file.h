@@ -49,6 +49,9 @@ void RemoveLeftovers(const std::filesystem::path& folder);
 // Those alone that processes left behind while they wrote this file.
 void RemoveLeftoversOf(const std::filesystem::path& file);
 
+// Its disk has room for bytes, and for no more files (inodes).
+bool HasNoRoomForFiles(const std::filesystem::path& folder);
+
 // The Status for a failed system call on `path`: kNotFound; kNoSpace (also quotas and file size limits);
 // kRefused: no place to write to (no right to, read-only, no name that a file may have); kIo.
 Status SystemFailure(const std::filesystem::path& path, const std::string& doing, int error_number);

@@ -35,3 +35,11 @@ cairn simulate loop full/loop.h5 >stdout 2>stderr || code=$?
 umount full
 [ "$code" -eq 1 ] || die "a disk without room for files gave exit code $code, not 1"
 says 'full/loop.h5: cannot write: no space left: the disk that holds it has no room for more files'
+for inodes in 4 6 8 10; do  # enough for a folder, for another, for …
+  mount -t tmpfs -o "size=20m,nr_inodes=$inodes" tmpfs full
+  code=0
+  cairn run landmark_map log.h5 --out full/out >stdout 2>stderr || code=$?
+  umount full
+  [ "$code" -eq 1 ] || die "a disk with room for $inodes files gave exit code $code, not 1"
+  says 'no room for more files'
+done
