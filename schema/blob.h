@@ -62,6 +62,9 @@ class Blob {
   std::size_t ByteCount() const;
   // Over name, type, shape and little-endian data of every field in the order of names; costs one pass.
   Hash ContentHash() const;
+  // By it results name the log or the samples that they were made from: of all but `truth/` and
+  // `provenance/`, which a pipeline does not see.
+  Hash SourceHash() const { return Without("truth/").Without("provenance/").ContentHash(); }
 
  private:
   const Array& Checked(std::string_view name, DType type) const;

@@ -33,6 +33,9 @@ TEST(Blob, CutsAndJoinsSubtrees) {
   const Blob blob = Sample();
   EXPECT_EQ(blob.Sub("robot/0/").fields().size(), 1U);
   EXPECT_FALSE(blob.Without("truth/").Has("truth/x_m"));
+  Blob published = blob;
+  published.Put("provenance/stage", Array::Text("features"));
+  EXPECT_EQ(published.SourceHash(), blob.Without("truth/").ContentHash());
   Blob joined;
   joined.PutAll("log/", blob);
   EXPECT_EQ(joined.Sub("log/").ContentHash(), blob.ContentHash());

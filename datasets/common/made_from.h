@@ -10,10 +10,10 @@ namespace cairn::datasets {
 // Throws InputError where it is another log.
 inline void CheckMadeFrom(const Blob& result, const Blob& log) {
   if (!result.Has("log_hash")) return;
-  const std::string made_from = result.Text("log_hash"), given = log.Without("truth/").ContentHash().Hex();
+  const std::string made_from = result.Text("log_hash"), given = log.SourceHash().Hex();
   if (made_from != given)
-    throw InputError("the result was made from another log: its content, truth aside, is " + made_from +
-                     ", that of the log given here is " + given);
+    throw InputError("the result was made from another log: its content, truth and provenance aside, is " +
+                     made_from + ", that of the log given here is " + given);
 }
 
 }  // namespace cairn::datasets

@@ -27,6 +27,8 @@ TEST(NetworksVerdict, IsByTheRunThatWasHeldOut) {
   verdict = NetworksVerdict(TrainedNetworks({9, 6}, {8, 9}));
   EXPECT_EQ(verdict.trust, Confidence::kLow);
   EXPECT_NE(verdict.why.find("a detector that always says the same"), std::string::npos) << verdict.why;
+  verdict = NetworksVerdict(TrainedNetworks({10, 9.99}, {8, 7.99}));
+  EXPECT_EQ(verdict.trust, Confidence::kLow) << "half of nothing is nothing";
   verdict = NetworksVerdict(TrainedNetworks({9, 6}, {NAN, NAN}));
   EXPECT_EQ(verdict.trust, Confidence::kNone);
   EXPECT_NE(verdict.why.find("no run was held out"), std::string::npos) << verdict.why;

@@ -210,12 +210,14 @@ void AddEnds(const RangeScans& sensor, Extent* extent) {
 // table of poses does not say of which log it is.
 void CheckPosesAreOf(const Blob& log, const Blob& poses) {
   if (!poses.Has("log_hash")) return;
-  const std::string made_from = poses.Text("log_hash"), given = log.Without("truth/").ContentHash().Hex();
+  const std::string made_from = poses.Text("log_hash"), given = log.SourceHash().Hex();
   if (made_from == given) return;
-  throw InputError("the input 'poses' was made from another log: the content of that one, truth aside, is " +
-                   made_from + ", that of the log given here is " + given +
-                   ". Where its poses are this log's all the same (it was imported anew, say), `cairn export "
-                   "tum` and `cairn import tum` make a table of them, which is taken");
+  throw InputError(
+      "the input 'poses' was made from another log: the content of that one, truth and provenance aside, "
+      "is " +
+      made_from + ", that of the log given here is " + given +
+      ". Where its poses are this log's all the same (it was imported anew, say), `cairn export "
+      "tum` and `cairn import tum` make a table of them, which is taken");
 }
 
 // Those of a robot's sensors that stand in `groups`.
@@ -285,7 +287,7 @@ GridBox GridOf(const PosedScans& scans, const GridOptions& options, double bytes
 
 void PutScanPoses(const PosedScans& scans, const Blob& log, Blob* result) {
   result->Put("robots", log.at("robots"));
-  result->Put("log_hash", Array::Text(log.Without("truth/").ContentHash().Hex()));
+  result->Put("log_hash", Array::Text(log.SourceHash().Hex()));
   for (const RangeScans& sensor : scans.sensors) {
     kinds::GridMap::Sensor of;
     of.Set(sensor.time_s, sensor.pose);

@@ -136,7 +136,7 @@ LedBy::LedBy(std::size_t first, const Inputs& inputs) : inputs_(inputs), log_(in
 Blob InOrderOf(const Blob& log, std::size_t first, const Blob& result) {
   Blob ordered = Renumbered(result, OrderLedBy(first, log.Texts("robots").size()));
   ordered.Put("robots", log.at("robots"));
-  ordered.Put("log_hash", Array::Text(log.Without("truth/").ContentHash().Hex()));
+  ordered.Put("log_hash", Array::Text(log.SourceHash().Hex()));
   return ordered;
 }
 

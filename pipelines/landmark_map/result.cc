@@ -272,7 +272,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   result.Put("robots", log.robots.array());
   result.Put("landmarks", log.landmarks.array());
   if (settings.map.classes.count > 1) result.Put("types", log.types.array());
-  result.Put("log_hash", Array::Text(blob.Without("truth/").ContentHash().Hex()));
+  result.Put("log_hash", Array::Text(blob.SourceHash().Hex()));
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const std::string prefix = "robot/" + std::to_string(r) + "/";
     const Odometry track = Until(Integrate(log.robot[r].odometry, robots[r]), settings.steps.until_s);

@@ -339,7 +339,7 @@ class Turn {
     for (const PathNode& node : nodes_) at.push_back(node.at);
     Blob result;
     result.Put("robots", log->at("robots"));
-    result.Put("log_hash", Array::Text(log->Without("truth/").ContentHash().Hex()));
+    result.Put("log_hash", Array::Text(log->SourceHash().Hex()));
     result.PutScalar("cell_m", options_.grid.cell_m);
     Parts parts{.scans = {}, .traces = traces_, .nodes = nodes_, .loops = std::move(loops)};
     std::size_t first = 0;

@@ -227,7 +227,7 @@ Source Source::Of(const Options& options, const Inputs& inputs) {
   const auto samples = Read<kinds::Samples>(*blob);
   Source source;
   source.run_names = samples.runs.values();
-  source.samples_hash = blob->Without("truth/").ContentHash().Hex();
+  source.samples_hash = blob->SourceHash().Hex();
   const std::vector<Learned> learned = ReadNetworks(options, inputs);
   if (learned.empty())
     source.UseHandMade(options, samples);

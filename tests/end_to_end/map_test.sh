@@ -18,6 +18,11 @@ cairn map landmarks.h5 --dry-run >job.yaml 2>/dev/null || die "--dry-run fails"
 exits 0 cairn run job.yaml --out by_copy
 same_bits landmarks/landmarks.h5 by_copy/landmarks.h5
 
+# It does not pass for that of another job which takes their place.
+cp -r landmarks replaced
+exits 0 cairn run landmark_map landmarks.h5 --set starts=1 --out replaced --force
+grep -q "note: 'replaced/job.yaml' is of what was there before" stderr || die "nothing is said of job.yaml: $(cat stderr)"
+
 # What a person has changed stays.
 sed -i 's/^seed: .*/seed: 9/' landmarks/job.yaml
 refuses 'says something else' cairn map landmarks.h5 --out landmarks

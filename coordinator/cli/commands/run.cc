@@ -89,13 +89,28 @@ void CheckResultsReplaceNoInput(const std::string& dir, const std::vector<std::s
   }
 }
 
+// `cairn map` leaves it beside its results, and what a person has changed in it stays.
+void NoteJobFileOfBefore(const std::string& what, const std::string& file) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored) || std::filesystem::equivalent(what, file, ignored)) return;
+  std::fprintf(stderr,
+               "note: '%s' is of what was there before; the job that was run now stands in its results "
+               "(provenance/job_yaml)\n",
+               Escaped(file).c_str());
+}
+
 int Run(const RunCommandArguments& options, const Invocation& call) {
   PrepareToRun(options.run.workers);
   const Catalog catalog = LoadCatalog();
   ParsedJob parsed = ResolveJob(options.job, catalog);
   RunArguments run = options.run;
   run.units_are_right = options.job.units_are_right;
-  if (!options.dry_run) return RunJob(run, std::move(parsed), call);
+  if (!options.dry_run) {
+    const std::string dir = run.out.empty() ? parsed.job.name() : run.out;
+    const int code = RunJob(run, std::move(parsed), call);
+    if (run.force) NoteJobFileOfBefore(options.job.what, dir + "/job.yaml");
+    return code;
+  }
   const std::map<std::string, BlobPtr> inputs = ReadJobInputs(parsed, run.units_are_right);
   return DryRun(run.json, parsed.job, inputs, catalog);
 }

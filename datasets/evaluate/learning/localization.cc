@@ -45,11 +45,11 @@ class LocalizationEvaluator {
 
  private:
   void Check() const {
-    const std::string made_from = result_.samples_hash.Scalar(),
-                      given = samples_blob_.Without("truth/").ContentHash().Hex();
+    const std::string made_from = result_.samples_hash.Scalar(), given = samples_blob_.SourceHash().Hex();
     if (made_from != given) {
-      throw InputError("the result was made from other samples: their content, truth aside, is " + made_from +
-                       ", that of the samples given here is " + given);
+      throw InputError(
+          "the result was made from other samples: their content, truth and provenance aside, is " +
+          made_from + ", that of the samples given here is " + given);
     }
   }
 

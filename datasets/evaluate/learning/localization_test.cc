@@ -74,6 +74,13 @@ TEST(EvaluateLocalization, PrintsForPeopleAndPrograms) {
   ExpectContains(MakeScores(score).ToText(), "under_1m_after_m                1.000 m\n");
 }
 
+// As those that image_features made lie beside its other results.
+TEST(EvaluateLocalization, SamplesThatSayHowTheyCameAboutAreTheSame) {
+  Blob published = LocalizedSamples();
+  published.Put("provenance/stage", Array::Text("features"));
+  EXPECT_NO_THROW(EvaluateLocalization(LocalizationFile(), published));
+}
+
 TEST(EvaluateLocalization, RefusesWhatDoesNotFit) {
   const auto complaint = [](const Blob& result, const Blob& samples) -> std::string {
     try {
