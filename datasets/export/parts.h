@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "datasets/evaluate/maps/occupancy.h"
+#include "datasets/common/occupancy.h"
 #include "datasets/export/export.h"
 #include "schema/blob.h"
 #include "schema/geometry.h"

@@ -9,6 +9,7 @@
 #include "datasets/common/landmark_map_verdict.h"
 #include "datasets/common/local_map_verdict.h"
 #include "datasets/common/observation_doubts.h"
+#include "datasets/common/occupancy.h"
 #include "datasets/common/unit_doubts.h"
 #include "schema/kinds/grid_map.h"
 #include "schema/kinds/kind.h"
@@ -67,6 +68,18 @@ std::string RobotOfMap(const kinds::LandmarkMap::Robot& robot) {
          Count(landmark.size(), "observation") + " associated";
 }
 
+// "2599 scans of sonar over 612 s, 260 of them held out"; empty where it has none.
+std::string RobotOfGridMap(const kinds::GridMap::Robot& robot) {
+  std::string text;
+  for (const kinds::GridMap::Sensor& of : robot.sensors) {
+    const auto time = of.time_s.OrNone();
+    const auto held_out = std::ranges::count_if(of.held_out.OrNone(), [](auto row) { return row != 0; });
+    text += (text.empty() ? "" : ", ") + Count(time.size(), "scan") + " of " + of.sensor + Duration(time);
+    if (held_out > 0) text += ", " + std::to_string(held_out) + " of them held out";
+  }
+  return text;
+}
+
 std::string Joined(const std::vector<std::string>& names) {
   std::string joined;
   for (const std::string& name : names) joined += (joined.empty() ? "" : ", ") + name;
@@ -118,17 +131,18 @@ void AddSamples(const kinds::Samples& of, Facts* facts) {
   if (!x.empty() && !y.empty()) facts->emplace_back("extent", "x " + x + ", y " + y);
 }
 
-// "289 by 134 cells of 0.05 m from (-2.7, -1.6) m; 5120 occupied, 20480 free", above and below a half.
+// "289 by 134 cells of 0.05 m from (-2.7, -1.6) m; 5120 occupied, 20480 free", above and below a half, of
+// those of which anything is known.
 std::string GridOf(const kinds::GridMap::Grid& grid) {
   const auto scalar = [](const Column<double>& of) {
     return of.OrNone().empty() ? "?" : ShortNumber(of.front());
   };
   const Shape& shape = grid.probability.shape();
+  const std::vector<double> known = KnownProbabilities(grid);
   return std::to_string(shape[1]) + " by " + std::to_string(shape[0]) + " cells of " + scalar(grid.cell_m) +
          " m from (" + scalar(grid.origin_x_m) + ", " + scalar(grid.origin_y_m) + ") m; " +
-         std::to_string(std::ranges::count_if(grid.probability, [](double p) { return p > 0.5; })) +
-         " occupied, " +
-         std::to_string(std::ranges::count_if(grid.probability, [](double p) { return p < 0.5; })) + " free";
+         std::to_string(std::ranges::count_if(known, [](double p) { return p > 0.5; })) + " occupied, " +
+         std::to_string(std::ranges::count_if(known, [](double p) { return p < 0.5; })) + " free";
 }
 
 // "54, joined by 961 loops; the path follows 950".
@@ -150,9 +164,14 @@ Facts FactsOf(const Blob& blob) {
   if (blob.Has("runs") && blob.Has("run/0/input")) AddSamples(Read<kinds::Samples>(blob), &facts);
   const auto log = Read<kinds::Log>(blob);
   const auto map = Read<kinds::LandmarkMap>(blob);
-  for (std::size_t n = 0; n < log.robots.OrNone().size(); ++n)
-    facts.emplace_back("robot " + log.robots[n],
-                       log.robot[n].odometry.time_s ? RobotOfLog(log, n) : RobotOfMap(map.robot[n]));
+  const auto grid_map = Read<kinds::GridMap>(blob);
+  for (std::size_t n = 0; n < log.robots.OrNone().size(); ++n) {
+    const std::string text = log.robot[n].odometry.time_s ? RobotOfLog(log, n)
+                             : grid_map.grid.probability && !map.map.landmark_x_m && n < grid_map.robot.size()
+                                 ? RobotOfGridMap(grid_map.robot[n])
+                                 : RobotOfMap(map.robot[n]);
+    if (!text.empty()) facts.emplace_back("robot " + log.robots[n], text);
+  }
   if (log.landmarks)
     facts.emplace_back("identities",
                        log.landmarks.empty() ? "unknown" : Count(log.landmarks.size(), "landmark"));
@@ -164,7 +183,7 @@ Facts FactsOf(const Blob& blob) {
     if (map.refinement_reason)
       facts.emplace_back("refinement", NotRefined(blob).empty() ? "done" : NotRefined(blob));
   }
-  const auto grid = FieldsIn<kinds::GridMap::Grid>("map/grid/", blob);
+  const kinds::GridMap::Grid& grid = grid_map.grid;
   if (grid.probability && grid.probability.shape().size() == 2) facts.emplace_back("grid", GridOf(grid));
   const auto local = Read<kinds::LocalMap>(blob);
   if (local.traces.robot) {
@@ -173,9 +192,9 @@ Facts FactsOf(const Blob& blob) {
   }
   const auto likelihoods = map.history.log_likelihood.OrNone();
   if (!likelihoods.empty()) {
-    facts.emplace_back(map.map.landmark_x_m ? "iterations" : "rounds",
-                       std::to_string(likelihoods.size()) + ", log-likelihood " +
-                           ShortNumber(likelihoods.front()) + " to " + ShortNumber(likelihoods.back()));
+    facts.emplace_back("iterations", std::to_string(likelihoods.size()) + ", log-likelihood " +
+                                         ShortNumber(likelihoods.front()) + " to " +
+                                         ShortNumber(likelihoods.back()));
   }
   return facts;
 }

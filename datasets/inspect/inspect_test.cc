@@ -20,9 +20,22 @@ Inspection Inspected(const Blob& blob, const std::string& kind) {
 TEST(Inspect, TellsOfGridMaps) {
   Blob map = DrawnMap({"#.. ", ".. #"}, 0.5, -1, 2);
   map.PutVector<double>("history/log_likelihood", {-9, -4});
+  map.Put("robots", Array::Texts({"Rosa", "Ugo"}));
+  for (const char* column : {"time_s", "x_m", "y_m", "heading_rad"})
+    map.PutVector<double>(std::string("robot/0/sonar/") + column, {0, 1, 2.5});
+  map.PutVector<std::uint8_t>("robot/0/sonar/held_out", {0, 1, 0});
   const std::string text = InspectText(Inspected(map, "grid_map"));
-  ExpectContains(text, "  grid    4 by 2 cells of 0.5 m from (-1, 2) m; 2 occupied, 4 free\n");
-  ExpectContains(text, "  rounds  2, log-likelihood -9 to -4\n");
+  ExpectContains(text, "  grid        4 by 2 cells of 0.5 m from (-1, 2) m; 2 occupied, 4 free\n");
+  ExpectContains(text, "  iterations  2, log-likelihood -9 to -4\n");
+  ExpectContains(text, "  robot Rosa  3 scans of sonar over 2.5 s, 1 of them held out\n");
+  EXPECT_EQ(text.find("robot Ugo"), std::string::npos) << "nothing of it was used: " << text;
+  EXPECT_EQ(text.find("0 poses"), std::string::npos) << text;
+}
+
+TEST(Inspect, CellsOfWhichNothingIsKnownAreNeitherOccupiedNorFree) {
+  Blob map = DrawnMap({"##..", "#.##"});
+  map.Put("map/grid/log_odds_difference", Array::Of<double>({2, 4}, {3, -2, 0.009, 0, 4, -0.005, -5, 0.01}));
+  ExpectContains(InspectText(Inspected(map, "grid_map")), "; 2 occupied, 3 free\n");
 }
 
 TEST(Inspect, TellsWhatALogHolds) {

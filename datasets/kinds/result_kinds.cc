@@ -9,6 +9,7 @@
 #include "datasets/common/local_map_verdict.h"
 #include "datasets/common/localization_verdict.h"
 #include "datasets/common/networks_verdict.h"
+#include "datasets/common/occupancy.h"
 #include "datasets/report/draw_map.h"
 #include "datasets/report/pages/pages.h"
 #include "schema/kinds/grid_map.h"
@@ -65,7 +66,8 @@ Scores SummaryOfGridMap(const Blob& result) {
   const auto map = Read<kinds::GridMap>(result);
   const Shape& shape = map.grid.probability.shape();
   const double cell_m = map.grid.cell_m.Scalar();
-  const std::int64_t occupied = std::ranges::count_if(map.grid.probability, [](double p) { return p > 0.5; });
+  const std::int64_t occupied =
+      std::ranges::count_if(KnownProbabilities(map.grid), [](double p) { return p > 0.5; });
   Scores scores;
   scores.AddForPeople("found", fmt::format("{:.1f} by {:.1f} m in cells of {:g} m, {} of them occupied",
                                            static_cast<double>(shape[1]) * cell_m,

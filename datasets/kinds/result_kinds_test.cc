@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "datasets/evaluate/testing/grid.h"
 #include "datasets/evaluate/testing/perfect_result.h"
 #include "datasets/simulate/loop.h"
 #include "schema/kinds/kind.h"
@@ -28,6 +29,15 @@ TEST(ResultKinds, EveryKindThatIsNotGivenHasARow) {
     if (kind.is_given) continue;
     EXPECT_NE(FindResultKind(kind.name), nullptr) << kind.name;
   }
+}
+
+TEST(ResultKinds, OfAGridMapOnlyCellsOfWhichSomethingIsKnownAreOccupied) {
+  Blob map = DrawnMap({"##..", "#.##"}, 0.5);
+  const auto occupied = [&map] { return FindResultKind("grid_map")->summary(map).ToText(10); };
+  EXPECT_NE(occupied().find("2.0 by 1.0 m in cells of 0.5 m, 5 of them occupied"), std::string::npos)
+      << occupied();
+  map.Put("map/grid/log_odds_difference", Array::Of<double>({2, 4}, {3, -2, 0.009, 0, 4, -0.005, -5, 0.01}));
+  EXPECT_NE(occupied().find(" 2 of them occupied"), std::string::npos) << occupied();
 }
 
 TEST(ResultKinds, ALandmarkMapSaysWhatWasFoundAndIsScoredAgainstItsLog) {

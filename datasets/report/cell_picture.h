@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datasets/evaluate/maps/occupancy.h"
+#include "datasets/common/occupancy.h"
 #include "datasets/report/drawing/picture.h"
 #include "schema/blob.h"
 

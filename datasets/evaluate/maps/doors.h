@@ -1,8 +1,8 @@
 // Whether a grid map shows a door's opening as one that can be driven through.
 #pragma once
 
+#include "datasets/common/occupancy.h"
 #include "datasets/common/walls.h"
-#include "datasets/evaluate/maps/occupancy.h"
 
 namespace cairn::datasets {
 

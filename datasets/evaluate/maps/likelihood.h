@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "datasets/evaluate/maps/occupancy.h"
+#include "datasets/common/occupancy.h"
 #include "datasets/evaluate/maps/scored_scans.h"
 
 namespace cairn::datasets {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "datasets/common/occupancy.h"
 #include "datasets/common/walls.h"
-#include "datasets/evaluate/maps/occupancy.h"
 #include "datasets/evaluate/maps/scored_scans.h"
 #include "datasets/evaluate/matching/similarity.h"
 #include "schema/blob.h"

@@ -8,6 +8,7 @@
 
 #include "schema/blob.h"
 #include "schema/geometry.h"
+#include "schema/kinds/grid_map.h"
 
 namespace cairn::datasets {
 
@@ -26,8 +27,12 @@ struct Occupancy {
 // A difference of log-likelihoods nearer to 0 than this says nothing of a cell.
 inline constexpr double kSaysNothingNats = 0.01;
 
-// `map/grid/probability` of a grid_map, or its most likely map, `map/grid/occupied`, as 0 and 1. Nothing is
-// known where the probability is NaN, and where `log_odds_difference` is there and says nothing.
+// Of each cell what a grid says of its being occupied; NaN: nothing, as its probability is NaN or
+// `log_odds_difference` is there and says nothing.
+std::vector<double> KnownProbabilities(const kinds::GridMap::Grid& grid);
+
+// `map/grid/probability` of a grid_map, or its most likely map, `map/grid/occupied`, as 0 and 1; NaN as
+// above.
 // Throws InputError that names the array: missing, of another shape, a probability beyond [0, 1].
 Occupancy ReadOccupancy(const Blob& map);
 Occupancy ReadMostLikely(const Blob& map);

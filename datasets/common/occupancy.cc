@@ -1,9 +1,7 @@
-#include "datasets/evaluate/maps/occupancy.h"
+#include "datasets/common/occupancy.h"
 
 #include <limits>
 #include <string>
-
-#include "schema/kinds/grid_map.h"
 
 namespace cairn::datasets {
 namespace {
@@ -17,15 +15,19 @@ GridBox BoxOf(const kinds::GridMap::Grid& grid) {
 
 }  // namespace
 
+std::vector<double> KnownProbabilities(const kinds::GridMap::Grid& grid) {
+  std::vector<double> probability = grid.probability.vector();
+  const std::span<const double> difference = grid.log_odds_difference.OrNone();
+  for (std::size_t i = 0; i < std::min(difference.size(), probability.size()); ++i) {
+    if (!(std::abs(difference[i]) >= kSaysNothingNats))
+      probability[i] = std::numeric_limits<double>::quiet_NaN();
+  }
+  return probability;
+}
+
 Occupancy ReadOccupancy(const Blob& map) {
   const auto grid = FieldsIn<kinds::GridMap::Grid>("map/grid/", map);
-  Occupancy cells{BoxOf(grid), grid.probability.vector()};
-  const std::span<const double> difference = grid.log_odds_difference.OrNone();
-  for (std::size_t i = 0; i < difference.size(); ++i) {
-    if (!(std::abs(difference[i]) >= kSaysNothingNats))
-      cells.probability[i] = std::numeric_limits<double>::quiet_NaN();
-  }
-  return cells;
+  return {BoxOf(grid), KnownProbabilities(grid)};
 }
 
 bool HasMostLikely(const Blob& map) { return map.Has("map/grid/occupied"); }
