@@ -223,9 +223,13 @@ TEST_F(ImportCsvTest, ARobotThatObservedNothingIsWarnedOf) {
 TEST_F(ImportCsvTest, NoiseParametersComeAlong) {
   options_.noise.contact_m = 0.3;
   options_.noise.max_range_m = 8;
+  options_.noise.false_ratio = 0.02;
+  options_.noise.miss_ratio = 0.05;
   Import();
   EXPECT_EQ(log_.Scalar<double>("noise/contact_m"), 0.3);
   EXPECT_EQ(log_.Scalar<double>("sensor/max_range_m"), 8);
+  EXPECT_EQ(log_.Scalar<double>("noise/false_ratio"), 0.02);
+  EXPECT_EQ(log_.Scalar<double>("noise/miss_ratio"), 0.05);
   EXPECT_FALSE(log_.Has("noise/range_m"));
 }
 

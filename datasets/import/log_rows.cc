@@ -27,6 +27,8 @@ std::vector<NamedParameter> NamedParameters(const NoiseParameters& noise) {
           {"noise/contact_m", &noise.contact_m},
           {"noise/range_m", &noise.range_m},
           {"noise/bearing_rad", &noise.bearing_rad},
+          {"noise/false_ratio", &noise.false_ratio},
+          {"noise/miss_ratio", &noise.miss_ratio},
           {"sensor/max_range_m", &noise.max_range_m},
           {"sensor/field_of_view_rad", &noise.field_of_view_rad}};
 }
@@ -171,6 +173,10 @@ void CheckNoise(const NoiseParameters& noise) {
       throw InputError(std::string(name) + ": a noise parameter must be a number of at least 0");
     }
   }
+  for (const auto& [name, share] :
+       {std::pair{"noise/false_ratio", noise.false_ratio}, std::pair{"noise/miss_ratio", noise.miss_ratio}})
+    if (share.value_or(0) > 1)
+      throw InputError(std::string(name) + ": " + std::to_string(*share) + " is no share; allowed: 0 to 1");
   if (noise.max_range_m == 0.0)
     throw InputError("sensor/max_range_m: a sensor that sees nothing; allowed: a number above 0");
   // With room for a full turn that is written in a few digits.

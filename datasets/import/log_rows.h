@@ -21,6 +21,8 @@ struct NoiseParameters {
   std::optional<double> contact_m;
   std::optional<double> range_m;
   std::optional<double> bearing_rad;
+  std::optional<double> false_ratio;
+  std::optional<double> miss_ratio;
   std::optional<double> max_range_m;
   std::optional<double> field_of_view_rad;
 };
@@ -112,7 +114,7 @@ class VelocityIntegrator {
 };
 
 // Throws InputError that names the figure, and what is allowed, where one is negative or not finite; where
-// the sensor's range is zero, or its field of view is zero or more than a full turn.
+// a share is above one, the sensor's range is zero, or its field of view is zero or more than a full turn.
 void CheckNoise(const NoiseParameters& noise);
 
 // Why no such sensor can have measured this, as the reason and the detail of a bad line.

@@ -88,6 +88,18 @@ TEST(CheckNoise, NamesTheParameterThatCannotBe) {
   EXPECT_THROW(CheckNoise(noise), InputError);
 }
 
+TEST(CheckNoise, AShareIsAtMostOne) {
+  NoiseParameters noise;
+  noise.false_ratio = 0.02;
+  noise.miss_ratio = 1;
+  CheckNoise(noise);
+  noise.false_ratio = 2;  // per cent
+  EXPECT_THROW(CheckNoise(noise), InputError);
+  noise.false_ratio = 0;
+  noise.miss_ratio = 3;
+  EXPECT_THROW(CheckNoise(noise), InputError);
+}
+
 TEST(CheckNoise, ASensorThatSeesNothingIsRefused) {
   NoiseParameters noise;
   noise.max_range_m = 0;

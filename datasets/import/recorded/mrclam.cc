@@ -62,6 +62,8 @@ class MrclamImport {
     replace(noise.contact_m, given.contact_m);
     replace(noise.range_m, given.range_m);
     replace(noise.bearing_rad, given.bearing_rad);
+    replace(noise.false_ratio, given.false_ratio);
+    replace(noise.miss_ratio, given.miss_ratio);
     replace(noise.max_range_m, given.max_range_m);
     replace(noise.field_of_view_rad, given.field_of_view_rad);
     return noise;

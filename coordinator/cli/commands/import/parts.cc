@@ -81,6 +81,10 @@ void AddSensorNoise(Command command, datasets::NoiseParameters& noise) {
                  "sd of the distance between robot and landmark at a contact detection, an axis");
   AddNoiseOption(command, "--range-m", noise.range_m, "sd of a range");
   AddNoiseOption(command, "--bearing-rad", noise.bearing_rad, "sd of a bearing");
+  AddNoiseOption(command, "--false-ratio", noise.false_ratio,
+                 "share of the observations that are of nothing, 0 to 1 (0.02: one in fifty)");
+  AddNoiseOption(command, "--miss-ratio", noise.miss_ratio,
+                 "share of the landmarks that are passed, or in view, and not observed, 0 to 1");
   AddNoiseOption(command, "--max-range-m", noise.max_range_m,
                  "largest range of the sensor; larger ones are bad lines");
   AddNoiseOption(command, "--field-of-view-rad", noise.field_of_view_rad,
