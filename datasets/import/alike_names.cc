@@ -1,5 +1,6 @@
 #include "datasets/import/alike_names.h"
 
+#include <algorithm>
 #include <cctype>
 #include <set>
 #include <unordered_map>
@@ -9,8 +10,22 @@ namespace {
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
+// A name that is a number with decimals, without the zeros that end them: a column that some program took for
+// numbers is written so as soon as a row of it is empty.
+std::string WithoutEmptyDecimals(const std::string& name) {
+  const std::size_t point = name.find('.');
+  const bool is_number =
+      point != std::string::npos && point > 0 &&
+      std::all_of(name.begin(), name.begin() + static_cast<std::ptrdiff_t>(point), IsDigit) &&
+      std::all_of(name.begin() + static_cast<std::ptrdiff_t>(point) + 1, name.end(), IsDigit);
+  if (!is_number) return name;
+  const std::size_t last = name.find_last_not_of('0');
+  return name.substr(0, last == point ? point : last + 1);
+}
+
 // In small letters, without zeros that lead a whole number: those behind a decimal point count.
-std::string Plain(const std::string& name) {
+std::string Plain(const std::string& given) {
+  const std::string name = WithoutEmptyDecimals(given);
   std::string plain;
   for (std::size_t i = 0; i < name.size(); ++i) {
     const bool begins = i == 0 || !IsDigit(name[i - 1]), ends = i + 1 == name.size() || !IsDigit(name[i + 1]);
@@ -37,7 +52,7 @@ std::string WarningOfAlikeNames(const std::vector<std::string>& names, const std
   if (others.empty()) return {};
   return pair + " are taken for two " + kind +
          (others.size() == 1 ? "" : ", and so are " + std::to_string(others.size() - 1) + " more pairs") +
-         ": their names differ in case or leading zeros alone";
+         ": their names differ in case or zeros alone";
 }
 
 }  // namespace cairn::datasets

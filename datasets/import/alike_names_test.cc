@@ -6,19 +6,22 @@
 namespace cairn::datasets {
 namespace {
 
-TEST(AlikeNames, DifferInCaseOrLeadingZerosAlone) {
+TEST(AlikeNames, DifferInCaseOrZerosAlone) {
   EXPECT_EQ(WarningOfAlikeNames({"plant", "DOOR", "door"}, "landmarks"),
-            "'DOOR' and 'door' are taken for two landmarks: their names differ in case or leading zeros "
-            "alone");
+            "'DOOR' and 'door' are taken for two landmarks: their names differ in case or zeros alone");
   ExpectContains(WarningOfAlikeNames({"7", "07", "007", "8", "08"}, "landmarks"),
                  "'7' and '07' are taken for two landmarks, and so are 2 more pairs");
   ExpectContains(WarningOfAlikeNames({"Tag-01", "tag-1"}, "landmarks"), "'Tag-01' and 'tag-1'");
   ExpectContains(WarningOfAlikeNames({"0", "000"}, "landmarks"), "'0' and '000'");
+  ExpectContains(WarningOfAlikeNames({"6", "12", "6.0"}, "landmarks"), "'6' and '6.0' are taken for two");
+  ExpectContains(WarningOfAlikeNames({"60.", "60"}, "landmarks"), "'60.' and '60' are taken for two");
+  ExpectContains(WarningOfAlikeNames({"1.50", "01.5"}, "landmarks"), "'1.50' and '01.5' are taken for two");
 }
 
 TEST(AlikeNames, OthersDoNot) {
-  const std::vector<std::string> names = {"0",    "1",    "10", "100", "1.5",  "1.05",
-                                          "door", "door", "a0", "a00", "a0.5", "a0.05"};
+  const std::vector<std::string> names = {"0",    "1",    "10",    "100", "1.5",  "1.05",
+                                          "door", "door", "a0",    "a00", "a0.5", "a0.05",
+                                          "20.0", "2.01", "6.0.0", "6",   ".0",   "."};
   ExpectContains(WarningOfAlikeNames(names, "landmarks"), "'a0' and 'a00' are taken for two landmarks: ");
   EXPECT_EQ(WarningOfAlikeNames({}, "landmarks"), "");
 }
