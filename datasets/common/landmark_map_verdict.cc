@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 
+#include "datasets/common/landmarks_seen_once.h"
 #include "datasets/common/moved_landmarks.h"
 #include "schema/kinds/landmark_map.h"
 
@@ -55,7 +56,7 @@ std::string WhyNothingIsKnown(const Blob& result) {
 }
 
 // What the search says of the map it chose.
-Verdict SearchVerdict(const Blob& result, bool at_a_distance) {
+Verdict SearchVerdict(const Blob& result, bool at_a_distance, const SeenOnce& seen) {
   Verdict verdict;
   const auto search = FieldsIn<kinds::LandmarkMap::Search>("search/", result);
   const Confidence confidence = ReadConfidence(result);
@@ -75,9 +76,13 @@ Verdict SearchVerdict(const Blob& result, bool at_a_distance) {
     verdict.why = found;
   } else if (const auto unlike = Unlike(search)) {
     verdict.why = found + "; how often such maps are right was not measured (" + *unlike + ")";
+  } else if (seen.passed_again > 0) {
+    verdict.trust = confidence;  // what it is of logs with false observations was not measured
+    verdict.why = found;
   } else {
     verdict.trust = confidence;
-    verdict.why = std::string("right in ") + Frequency(confidence) + " such simulations; " + found;
+    verdict.why = std::string("right in ") + Frequency(confidence) +
+                  " such simulations, which have no false observations; " + found;
   }
   return verdict;
 }
@@ -331,7 +336,7 @@ Verdict::Doubt WhereStartsDisagree(const kinds::LandmarkMap& map, Verdict::Doubt
 
 // Of landmarks that observations name there is no search: the fit of the least squares is what the verdict
 // rests on. Else it may lower what the search says.
-void JudgeFit(const kinds::LandmarkMap& map, double explained_share, Verdict* verdict) {
+void JudgeFit(const kinds::LandmarkMap& map, double explained_share, const SeenOnce& seen, Verdict* verdict) {
   constexpr std::int64_t kMany = 50;
   constexpr double kNearlyAll = 0.9;
   const kinds::LandmarkMap::Fit& fit = map.fit;
@@ -344,11 +349,15 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, Verdict* ve
   const bool all_named =
       std::ranges::all_of(map.map.landmark_identity.OrNone(), [](int id) { return id >= 0; });
   const bool named = !map.search.support && all_named;
-  const bool many = observations >= kMany && explained_share >= kNearlyAll;
+  // What is seen once fits wherever it was: it tests nothing.
+  const std::int64_t testing = observations - static_cast<std::int64_t>(seen.once);
+  const bool many = testing >= kMany && explained_share >= kNearlyAll;
   const Confidence by_number = many ? Confidence::kHigh : Confidence::kFair;
   verdict->trust = named ? by_number : std::min(verdict->trust, by_number);
-  const std::string fitted = fmt::format("{} observations fit the map", observations - misfits);
+  const std::string fitted =
+      fmt::format("{} observations fit the map", std::max<std::int64_t>(0, testing - misfits));
   verdict->why = named ? fitted : verdict->why + "; " + fitted;
+  verdict->Add(OfSeenOnce(seen, true));
   for (const Verdict::Doubt& doubt :
        {OfMisfits(map), WhereStartsDisagree(map, OfWidths(map)), WhereStartsDisagree(map, OfRun(fit)),
         WhereStartsDisagree(map, OfJumps(fit)), OfHalves(fit), OfHoles(map, verdict), OfPlaces(map, verdict),
@@ -384,7 +393,9 @@ bool RefinementRefused(const Blob& result) { return NotRefined(result).starts_wi
 
 Verdict LandmarkMapVerdict(const Blob& result) {
   const auto map = Read<kinds::LandmarkMap>(result);
-  Verdict verdict = SearchVerdict(result, map.fit.observations.Or(0) > 0);
+  const SeenOnce seen = CountSeenOnce(map);
+  const bool at_a_distance = map.fit.observations.Or(0) > 0;
+  Verdict verdict = SearchVerdict(result, at_a_distance, seen);
   std::size_t observations = 0, explained = 0;
   for (const auto& robot : map.robot) {
     observations += robot.map_landmark.OrNone().size();
@@ -397,7 +408,10 @@ Verdict LandmarkMapVerdict(const Blob& result) {
   verdict.AddCount("observations", observations);
   verdict.AddCount("observations_explained", explained);
   const auto all = static_cast<double>(std::max<std::size_t>(1, observations));
-  JudgeFit(map, static_cast<double>(explained) / all, &verdict);
+  verdict.AddCount("landmarks_observed_once", seen.once);
+  verdict.AddCount("of_them_passed_again", seen.passed_again);
+  if (map.search.support && !at_a_distance) verdict.Add(OfSeenOnce(seen, false));
+  JudgeFit(map, static_cast<double>(explained) / all, seen, &verdict);
   if (explained < observations)
     verdict.why +=
         fmt::format("; {} of {} observations {} of none of its landmarks", observations - explained,

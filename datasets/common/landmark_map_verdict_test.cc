@@ -37,15 +37,17 @@ TEST(LandmarkMapVerdict, StatesARateOnlyOfWhatItWasMeasuredOn) {
 }
 
 TEST(LandmarkMapVerdict, IsHighWhereManyStartsFoundTheMapAndItIsFarAhead) {
-  EXPECT_EQ(
-      TextOf(Searched(3, 57.25)),
-      "high: right in 99 of 100 such simulations; found from 3 of 12 starts, 57.2 nats ahead of the next "
-      "different map");
+  EXPECT_EQ(TextOf(Searched(3, 57.25)),
+            "high: right in 99 of 100 such simulations, which have no false observations; found from 3 of 12 "
+            "starts, "
+            "57.2 nats ahead of the next different map");
   EXPECT_EQ(TextOf(Searched(7, 4.5)),
-            "fair: right in 9 of 10 such simulations; found from 7 of 12 starts, 4.5 nats ahead of the next "
+            "fair: right in 9 of 10 such simulations, which have no false observations; found from 7 of 12 "
+            "starts, 4.5 nats ahead of the next "
             "different map");
   EXPECT_EQ(TextOf(Searched(1, 102.0)),
-            "low: right in 3 of 10 such simulations; found from 1 of 12 starts, 102.0 nats ahead of the next "
+            "low: right in 3 of 10 such simulations, which have no false observations; found from 1 of 12 "
+            "starts, 102.0 nats ahead of the next "
             "different map");
 }
 
@@ -76,7 +78,8 @@ TEST(ReadConfidence, NeedsBothStartsThatAgreeAndALead) {
 
 TEST(LandmarkMapVerdict, StartsThatAgreeAndASingleStart) {
   EXPECT_EQ(TextOf(Searched(12, 1.0).Without("search/lead_nats")),
-            "high: right in 99 of 100 such simulations; found from 12 of 12 starts, no other map was found");
+            "high: right in 99 of 100 such simulations, which have no false observations; found from 12 of "
+            "12 starts, no other map was found");
   Blob once;
   once.PutScalar<std::int32_t>("search/support", 1);
   once.PutScalar<std::int32_t>("search/starts", 1);

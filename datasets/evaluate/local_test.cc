@@ -9,7 +9,7 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kDegree_rad = std::numbers::pi / 180;
 
 // Truth: ten metres along x at 1 m/s, from (5, 2), facing 0; odometry says that it went round a bend. The
 // result has the same way from the origin, facing a quarter turn left, and one trace of all of it.
@@ -22,7 +22,7 @@ Blob Log() {
     x.push_back(5 + i);
     y.push_back(2);
     heading.push_back(0);
-    turn.push_back(i == 0 ? 0 : 3 * kDegree);
+    turn.push_back(i == 0 ? 0 : 3 * kDegree_rad);
     forward.push_back(i == 0 ? 0 : 1);
     walls.push_back(0);
   }
@@ -49,7 +49,8 @@ Blob Result(const Blob& log) {
     x.push_back(0);
     y.push_back(i);
     heading.push_back(std::numbers::pi / 2);
-    angle.push_back(i < 2 ? std::nan("") : (3 * i + 1) * kDegree);  // odometry turns by 3 degrees a second
+    angle.push_back(i < 2 ? std::nan("")
+                          : (3 * i + 1) * kDegree_rad);  // odometry turns by 3 degrees a second
     locked.push_back(i >= 2 ? 1 : 0);
     other.push_back(0);
   }
@@ -115,7 +116,7 @@ TEST(EvaluateLocal, WallsAreHeldAgainstTheFrameOfDeadReckoning) {
 TEST(EvaluateLocal, TurnedAreasAreToldAndLeftOutOfTheError) {
   Blob log = Log();
   std::vector<double> walls(11, 0);
-  for (std::size_t i = 7; i < 11; ++i) walls[i] = 30 * kDegree;
+  for (std::size_t i = 7; i < 11; ++i) walls[i] = 30 * kDegree_rad;
   log.PutVector("truth/robot/0/walls/angle_rad", walls);
   Blob result = Result(log);
   std::vector<std::uint8_t> other(11, 0);
@@ -135,7 +136,7 @@ TEST(EvaluateLocal, WhicheverWayTheTruthIsTurnedItsWallsScoreTheSame) {
       x.push_back((5 + i) * std::cos(turned_rad) - 2 * std::sin(turned_rad));
       y.push_back((5 + i) * std::sin(turned_rad) + 2 * std::cos(turned_rad));
     }
-    for (std::size_t i = 7; i < 11; ++i) walls[i] += 30 * kDegree;
+    for (std::size_t i = 7; i < 11; ++i) walls[i] += 30 * kDegree_rad;
     log.PutVector("truth/robot/0/poses/x_m", x);
     log.PutVector("truth/robot/0/poses/y_m", y);
     log.PutVector("truth/robot/0/poses/heading_rad", std::vector<double>(11, turned_rad));
@@ -192,10 +193,10 @@ TEST(EvaluateLocal, OdometryIsHeldAgainstTheFramesOfTracesToo) {
   // degrees in it.
   double x = 0, y = 0;
   for (int i = 1; i <= 10; ++i) {
-    x += std::cos((3 * i - 3) * kDegree);
-    y += std::sin((3 * i - 3) * kDegree);
+    x += std::cos((3 * i - 3) * kDegree_rad);
+    y += std::sin((3 * i - 3) * kDegree_rad);
   }
-  const double c = std::cos(3 * kDegree), s = std::sin(3 * kDegree);
+  const double c = std::cos(3 * kDegree_rad), s = std::sin(3 * kDegree_rad);
   const double mean_x = (0 + 1 + (1 + c)) / 3, mean_y = s / 3;  // of the recorded way, in that frame
   const auto off = [&](double at_x, double at_y, double true_x) {
     return std::hypot(at_x - mean_x - (true_x - 1), at_y - mean_y);

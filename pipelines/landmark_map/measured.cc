@@ -97,8 +97,9 @@ std::vector<std::string> OtherSensing(const kinds::Log& log) {
   if (log.types.OrNone().size() > 1) unlike.emplace_back("landmarks are of types");
   if (std::ranges::any_of(log.robot[0].observations.range_m, [](double r) { return !std::isnan(r); }))
     unlike.emplace_back("landmarks are seen at a distance");
-  for (const Column<double>& ratio : {log.noise.false_ratio, log.noise.miss_ratio})
-    if (ratio) unlike.push_back("it states " + ratio.name());
+  // None of theirs is false.
+  if (log.noise.false_ratio.Or(0) > 0) unlike.push_back("it states " + log.noise.false_ratio.name());
+  if (log.noise.miss_ratio) unlike.push_back("it states " + log.noise.miss_ratio.name());
   return unlike;
 }
 

@@ -45,6 +45,16 @@ TEST(UnlikeMeasured, NamesEachDifference) {
   EXPECT_TRUE(Says(UnlikeMeasured({}, two, 4), "it has 2 robots"));
 }
 
+TEST(UnlikeMeasured, LogsWhoseObservationsAreFalseOrMissed) {
+  Blob log = SquareLog{.laps = 2, .side_m = 15.0}.Make();
+  log.PutScalar("noise/false_ratio", 0.0);
+  EXPECT_FALSE(Says(UnlikeMeasured({}, log, 4), "it states"));
+  log.PutScalar("noise/false_ratio", 0.02);
+  EXPECT_TRUE(Says(UnlikeMeasured({}, log, 4), "it states noise/false_ratio"));
+  log.PutScalar("noise/miss_ratio", 0.1);
+  EXPECT_TRUE(Says(UnlikeMeasured({}, log, 4), "it states noise/miss_ratio"));
+}
+
 TEST(UnlikeMeasured, OptionsThatChangeTheResultCount) {
   const Blob log = SquareLog{.laps = 2, .side_m = 15.0}.Make();
   EXPECT_TRUE(Says(UnlikeMeasured({.revise = false}, log, 4), "the option revise is not the default"));

@@ -239,6 +239,20 @@ void PutLandmarks(const std::vector<Landmark>& landmarks, const MapRules& rules,
   result->PutVector("map/landmark_type", landmark_class);
 }
 
+// Leaves out what the log's rate of false observations says is no landmark. Of the others it says how often
+// they were passed, unless the log states that none is false: that is what tells where no rate is stated
+// (datasets/common/landmarks_seen_once.h).
+void JudgePasses(const Settings& settings, const Column<double>& false_ratio,
+                 std::vector<Landmark>* landmarks, Blob* result) {
+  const double reach_m = std::max(5.0 * settings.map.observation_m, 1.5 * settings.map.grid.cell_m);
+  if (settings.detection.false_ratio > 0.0)
+    KeepLandmarks(AreLandmarks(*result, *landmarks, settings.detection, reach_m), landmarks, result);
+  if (false_ratio && false_ratio.Scalar() == 0.0) return;
+  std::vector<std::int64_t> passes;
+  for (const Passes& of : CountPasses(*result, *landmarks, reach_m)) passes.push_back(of.passed);
+  result->PutVector("map/landmark_passes", passes);
+}
+
 // Of the last M-step's counts; where there was none, the given map.
 LayeredGrid FinalMap(const Blob& log, const Settings& settings, const Inputs& inputs,
                      const LayeredGrid& counts) {
@@ -306,10 +320,8 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
                                          [&](double time_s) { return time_s <= until_s; });
     result.PutScalar<std::int64_t>("until_observations", looked_at);
   }
-  if (settings.detection.false_ratio > 0.0 && settings.detection.tells_passes && !settings.incremental) {
-    const double reach = std::max(5.0 * settings.map.observation_m, 1.5 * settings.map.grid.cell_m);
-    KeepLandmarks(AreLandmarks(result, landmarks, settings.detection, reach), &landmarks, &result);
-  }
+  if (settings.detection.tells_passes && !settings.incremental)
+    JudgePasses(settings, log.noise.false_ratio, &landmarks, &result);
   PutLandmarks(landmarks, settings.map, &result);
   const LayeredGrid final_counts =
       refined.paths.empty() ? counts : Recentred(counts, map.found, landmarks, settings);

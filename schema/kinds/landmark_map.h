@@ -71,6 +71,7 @@ struct LandmarkMap {
   struct Map {
     Column<double> landmark_x_m, landmark_y_m, landmark_covariance_m2, landmark_count, probability;
     Column<std::int32_t> landmark_identity, landmark_type;
+    Column<std::int64_t> landmark_passes;
     GridPlace grid;
     static void Fields(const auto& field) {
       field(Needed("landmark_x_m", "K", Position()), &Map::landmark_x_m);
@@ -79,6 +80,7 @@ struct LandmarkMap {
       field({"landmark_identity", "K", IndexInto("landmarks").OrNone()}, &Map::landmark_identity);
       field({"landmark_type", "K", IndexInto("types").OrNone()}, &Map::landmark_type);
       field({"landmark_count", "K", From(0)}, &Map::landmark_count);
+      field({"landmark_passes", "K", From(0)}, &Map::landmark_passes);
       field(Needed("grid/probability", "G,ny,nx", Share()), &Map::probability);
       field("grid", &Map::grid);
     }

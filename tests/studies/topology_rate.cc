@@ -3,9 +3,10 @@
 //   topology_rate --csv DIR [--rounds] [key=value …]
 //   topology_rate DIFFICULTY FIRST LAST --statistics
 // prints a line a log (with --rounds also one a round: the time so far and what the round found) and a
-// summary, with how often what was stated of which confidence was right. The second form takes every folder
-// in DIR that holds an odometry.csv.gz (docs/datasets.md, loops-csv). The pipeline sees the log without its
-// truth. The third form maps nothing: it prints the range of each figure of the logs
+// summary, with how often what was stated of which confidence was right. With --unstated the logs do not say
+// how many of their observations are false or missed, as logs from other files do not. The second form takes
+// every folder in DIR that holds an odometry.csv.gz (docs/datasets.md, loops-csv). The pipeline sees the log
+// without its truth. The third form maps nothing: it prints the range of each figure of the logs
 // (pipelines/landmark_map/measured.h).
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -37,13 +38,13 @@ struct Tally {
   struct Stated {
     int jobs = 0, right = 0;
   };
-  std::map<datasets::Confidence, Stated> stated;
+  std::map<datasets::Confidence, Stated> stated, verdicts;  // by the search alone; by all that tells
 };
 
 struct Arguments {
   std::vector<std::string> words;  // difficulty, first and last seed
   std::string csv;
-  bool rounds = false, statistics = false;
+  bool rounds = false, statistics = false, unstated = false;
   datasets::SimulateLoopOptions world;
   proto::Stage stage;
 };
@@ -70,7 +71,8 @@ void AddFigures(const Blob& log, Ranges* ranges) {
   ranges->Add("landmarks", static_cast<double>(landmarks.size() - landmarks.count(-1)));
 }
 
-void RunLog(const std::string& name, const Blob& log, const Arguments& arguments, Tally* tally) {
+void RunLog(const std::string& name, Blob log, const Arguments& arguments, Tally* tally) {
+  if (arguments.unstated) log = log.Without("noise/false_ratio").Without("noise/miss_ratio");
   const std::clock_t start = std::clock();
   ++tally->jobs;
   BlobPtr result;
@@ -90,9 +92,11 @@ void RunLog(const std::string& name, const Blob& log, const Arguments& arguments
   const bool right = score.topology_correct.value_or(false);
   const double rmse_m = score.landmarks->rmse_m.value_or(-1.0);
   tally->right += right ? 1 : 0;
-  Tally::Stated& stated = tally->stated[datasets::ReadConfidence(*result)];
-  ++stated.jobs;
-  stated.right += right ? 1 : 0;
+  for (Tally::Stated* stated : {&tally->stated[datasets::ReadConfidence(*result)],
+                                &tally->verdicts[datasets::LandmarkMapVerdict(*result).trust]}) {
+    ++stated->jobs;
+    stated->right += right ? 1 : 0;
+  }
   tally->complete += score.landmarks->missed == 0 && score.landmarks->spurious == 0 ? 1 : 0;
   if (right) tally->rmse_m.push_back(rmse_m);
   std::printf("%s: topology %s, %lld found, %lld missed, %lld spurious, rmse %.2f m, path %.2f m; %s\n",
@@ -182,6 +186,9 @@ int Main(const Arguments& arguments) {
   for (const auto& [confidence, stated] : tally.stated)
     std::printf("confidence %s: topology right in %d of %d\n", datasets::Word(confidence), stated.right,
                 stated.jobs);
+  for (const auto& [confidence, stated] : tally.verdicts)
+    std::printf("verdict %s: topology right in %d of %d\n", datasets::Word(confidence), stated.right,
+                stated.jobs);
   return 0;
 }
 
@@ -195,6 +202,8 @@ int main(int argc, char** argv) {
   app.add_option("--csv", arguments.csv, "Logs from the folders in this one, instead of simulated ones");
   app.add_flag("--rounds", arguments.rounds, "A line a round, too");
   app.add_flag("--statistics", arguments.statistics, "Print the ranges of the logs' statistics, map nothing");
+  app.add_flag("--unstated", arguments.unstated,
+               "Leave the rates of false and missed observations out of the logs");
   cairn::cli::AddLoopOptions(cairn::cli::Command(&app), &arguments.world);
   CLI11_PARSE(app, argc, argv);
   try {

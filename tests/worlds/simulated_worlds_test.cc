@@ -65,6 +65,41 @@ TEST(SimulatedWorlds, TheMuseumsSeventyMetresAndHalfATurn) {
   EXPECT_TRUE(StatesARate(mapped)) << datasets::LandmarkMapVerdict(*mapped.result).Text();
 }
 
+// A log of one's own hardly ever states how many of its observations are false.
+TEST(SimulatedWorlds, AFalseObservationOfWhichTheLogDoesNotTellIsDoubted) {
+  const datasets::LoopSensing sensing{.false_rate = 0.02};
+  const Blob unstated = datasets::SimulateLoop({.difficulty = "base", .seed = 1, .sensing = sensing})
+                            .Without("noise/false_ratio")
+                            .Without("noise/miss_ratio");
+  proto::Stage stage;
+  stage.set_name("landmarks");
+  stage.set_pipeline("landmark_map");
+  const BlobPtr result = RunInProcess(*MakePipeline(stage, 1),
+                                      {{"log", std::make_shared<const Blob>(unstated.Without("truth/"))}});
+  EXPECT_FALSE(datasets::Evaluate(*result, unstated).topology_correct.value());
+  const datasets::Verdict verdict = datasets::LandmarkMapVerdict(*result);
+  EXPECT_EQ(verdict.trust, datasets::Confidence::kFair);
+  EXPECT_NE(verdict.why.find("and 1 of them was passed again and not observed: is it false"),
+            std::string::npos)
+      << verdict.why;
+}
+
+TEST(SimulatedWorlds, WhereTheLogStatesThatNoneIsFalseALandmarkThatWasMissedIsNotDoubted) {
+  Blob log = Map("museum", 201, {}).log;
+  const auto trust = [&log] {
+    proto::Stage stage;
+    stage.set_name("landmarks");
+    stage.set_pipeline("landmark_map");
+    return datasets::LandmarkMapVerdict(
+               *RunInProcess(*MakePipeline(stage, 201),
+                             {{"log", std::make_shared<const Blob>(log.Without("truth/"))}}))
+        .trust;
+  };
+  EXPECT_EQ(trust(), datasets::Confidence::kFair);
+  log.PutScalar("noise/false_ratio", 0.0);
+  EXPECT_EQ(trust(), datasets::Confidence::kHigh);
+}
+
 // Seeds on which nothing was measured, of each kind of log on which something was.
 TEST(SimulatedWorlds, OtherSeedsAreLikeThoseThatRatesWereMeasuredOn) {
   for (const datasets::LoopDifficulty& difficulty : datasets::LoopDifficulties()) {

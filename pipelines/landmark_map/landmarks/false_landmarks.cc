@@ -43,19 +43,25 @@ int CountVisits(std::span<const double> x_m, std::span<const double> y_m, double
   return visits;
 }
 
-std::vector<bool> AreLandmarks(const Blob& result, const std::vector<Landmark>& landmarks,
-                               const Detection& detection, double reach_m) {
+std::vector<Passes> CountPasses(const Blob& result, const std::vector<Landmark>& landmarks, double reach_m) {
   std::vector<Passes> passes(landmarks.size());
-  double observations = 0.0;
   for (std::size_t r = 0; r < RobotsOf(result); ++r) {
     const auto x = result.Get<double>(Robot(r, "poses/x_m")), y = result.Get<double>(Robot(r, "poses/y_m"));
     for (std::size_t k = 0; k < landmarks.size(); ++k)
       passes[k].passed += CountVisits(x, y, landmarks[k].x_m, landmarks[k].y_m, reach_m);
-    for (const std::int32_t k : result.Get<std::int32_t>(Robot(r, "observations/map_landmark"))) {
-      ++observations;
+    for (const std::int32_t k : result.Get<std::int32_t>(Robot(r, "observations/map_landmark")))
       if (k >= 0) ++passes[static_cast<std::size_t>(k)].observed;
-    }
   }
+  return passes;
+}
+
+std::vector<bool> AreLandmarks(const Blob& result, const std::vector<Landmark>& landmarks,
+                               const Detection& detection, double reach_m) {
+  const std::vector<Passes> passes = CountPasses(result, landmarks, reach_m);
+  double observations = 0.0;
+  for (std::size_t r = 0; r < RobotsOf(result); ++r)
+    observations +=
+        static_cast<double>(result.Get<std::int32_t>(Robot(r, "observations/map_landmark")).size());
   // A false contact detection falls anywhere on the way.
   const double false_per_m = detection.false_ratio * observations / PathLengthM(result);
   const double coincidence = std::min(0.5, 2.0 * reach_m * false_per_m);

@@ -33,8 +33,11 @@ double LogOddsOfLandmark(const Passes& passes, const Detection& detection, doubl
 int CountVisits(std::span<const double> x_m, std::span<const double> y_m, double at_x_m, double at_y_m,
                 double reach_m);
 
-// For each landmark, whether there is one, from a result's paths (robot/N/poses/) and associations
-// (robot/N/observations/map_landmark). For contact detections.
+// Of each landmark, by a result's paths (robot/N/poses/) and associations
+// (robot/N/observations/map_landmark).
+std::vector<Passes> CountPasses(const Blob& result, const std::vector<Landmark>& landmarks, double reach_m);
+
+// For each landmark, whether there is one, by its passes. For contact detections.
 std::vector<bool> AreLandmarks(const Blob& result, const std::vector<Landmark>& landmarks,
                                const Detection& detection, double reach_m);
 

@@ -46,6 +46,14 @@ Blob Corridor() {
   return result;
 }
 
+TEST(CountPasses, SaysHowOftenEachWasPassedAndObserved) {
+  const std::vector<Passes> passes = CountPasses(Corridor(), {At(5), At(12), At(20), At(40)}, 1.5);
+  ASSERT_EQ(passes.size(), 4U);
+  EXPECT_EQ(passes[1].observed, 1);
+  EXPECT_GT(passes[1].passed, 2) << "a false one, where the robot comes again and again";
+  EXPECT_EQ(passes[0].passed, passes[0].observed);
+}
+
 TEST(AreLandmarks, ThoseThatArePassedWithoutAContactAreNone) {
   const std::vector<Landmark> landmarks{At(5), At(12), At(20), At(40)};
   EXPECT_EQ(AreLandmarks(Corridor(), landmarks, kTenthFalse, 1.5),
