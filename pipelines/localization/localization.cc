@@ -77,7 +77,9 @@ Step Plan(const State& state) {
   return step;
 }
 
-std::string Counted(std::size_t count, const char* what) { return std::to_string(count) + " " + what; }
+std::string Counted(std::size_t count, const char* what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
 
 }  // namespace
 
@@ -90,10 +92,9 @@ Step Localization::Start(const Inputs& inputs) const {
   const auto traverses = static_cast<double>(TraverseCount(options_, source));
   ExpectRounds(1, traverses * TraverseCost(options_, source, poses.positions.size()),
                std::ceil(traverses / kTraversesOfTask), &step.plan);
-  step.plan.set_note(Counted(source.features(), "features, ") +
-                     Counted(poses.positions.size(), "positions, ") +
-                     Counted(source.runs.size(), "runs to localise in") +
-                     (source.headings() ? ", heading " + options_.heading : ""));
+  step.plan.set_note(Counted(source.features(), "feature") + ", " +
+                     Counted(poses.positions.size(), "position") + ", " + Counted(source.runs.size(), "run") +
+                     " to localise in" + (source.headings() ? ", heading " + options_.heading : ""));
   return step;
 }
 

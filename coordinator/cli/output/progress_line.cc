@@ -40,8 +40,10 @@ std::string Duration(double seconds) {
 std::string LeftText(const wire::JobInfo& info) {
   constexpr double kSpan = 2;  // narrower ones are told as a figure
   if (info.eta_s() <= 0) return "";
-  if (info.eta_most_s() <= kSpan * info.eta_least_s()) return Duration(info.eta_s());
-  return Duration(info.eta_least_s()) + " to " + Duration(info.eta_most_s());
+  const auto text = [](double seconds) { return Duration(std::max(1.0, seconds)); };  // not "0:00 left"
+  if (info.eta_most_s() <= kSpan * info.eta_least_s()) return text(info.eta_s());
+  const std::string least = text(info.eta_least_s()), most = text(info.eta_most_s());
+  return least == most ? most : least + " to " + most;
 }
 
 double PartDone(const wire::JobInfo& info) {

@@ -50,6 +50,11 @@ TEST(LeftText, IsASpanWhereTheDataDecideWhatIsToCome) {
   info.set_eta_most_s(65);
   EXPECT_EQ(LeftText(info), "0:05 to 1:05");
   EXPECT_NE(ProgressLine(info, 200).find(" about 0:05 to 1:05 left,"), std::string::npos);
+  info.set_eta_least_s(0.02);
+  info.set_eta_most_s(0.2);
+  EXPECT_EQ(LeftText(info), "0:01") << "not 0:00 to 0:00";
+  info.set_eta_most_s(9);
+  EXPECT_EQ(LeftText(info), "0:01 to 0:09");
 }
 
 TEST(ProgressLine, TheOnlyStageNeedsNoName) {

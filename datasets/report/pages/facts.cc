@@ -117,7 +117,7 @@ std::string TilesHtml(const Blob& result, const Evaluation* evaluation) {
     tiles += TileHtml(correct ? "right" : "wrong", "topology", correct ? "good" : "bad");
   }
   if (result.Has("history/log_likelihood")) {
-    tiles += TileHtml(std::to_string(result.at("history/log_likelihood").size()), "iterations");
+    tiles += CountTileHtml(result.at("history/log_likelihood").size(), "iteration");
   }
   return TilesHtml(tiles + WallTimeTile(result));
 }

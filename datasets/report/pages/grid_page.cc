@@ -132,7 +132,7 @@ std::string Tiles(const Blob& map, const GridEvaluation* evaluation) {
     if (evaluation->most_likely) tiles += CellTiles(*evaluation->most_likely, ", most likely map");
   }
   if (map.Has("history/log_likelihood"))
-    tiles += TileHtml(std::to_string(map.at("history/log_likelihood").size()), "rounds");
+    tiles += CountTileHtml(map.at("history/log_likelihood").size(), "iteration");
   if (Read<kinds::GridMap>(map).cut_short.Or(0) != 0)
     tiles += TileHtml("cut short", "the search, by the option rounds", "bad");
   return TilesHtml(tiles + WallTimeTile(map));

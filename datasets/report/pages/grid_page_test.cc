@@ -87,7 +87,7 @@ TEST(GridPage, ShowsAllLayersTheHistoryAndTheParameters) {
   const std::string page = GridPageOf(WithAllLayers(), nullptr, nullptr, "corridor");
   for (const char* part : {"<title>corridor", "1.5 by 1 m in cells of 0.5 m, of 2 scans; 1 scan left out",
                            "Most likely map", "What the data say of each cell", "Convergence", "cut short",
-                           "model/p_hit", "0.625", "class=\"path r0\""})
+                           "<b>3</b><span>iterations</span>", "model/p_hit", "0.625", "class=\"path r0\""})
     ExpectContains(page, part);
   std::size_t pictures = 0;
   for (std::size_t at = page.find("<image"); at != std::string::npos; at = page.find("<image", at + 1))

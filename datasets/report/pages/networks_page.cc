@@ -111,7 +111,7 @@ std::string Tiles(const Blob& result, const kinds::Networks& of, const TrainingH
   const double window_m = of.window_m.Scalar();
   const double held_out = h.BestHeldOut();
   std::string tiles =
-      TileHtml(std::to_string(of.networks.output_bias.size()), "networks") +
+      CountTileHtml(static_cast<std::int64_t>(of.networks.output_bias.size()), "network") +
       TileHtml(HiddenUnits(of.networks), "hidden units of each") +
       TileHtml(window_m > 0 ? "±" + Short(window_m) + " m" : "global", "uncertainty trained for") +
       TileHtml(Percent(h.Reduction()), "error reduction, runs trained on");

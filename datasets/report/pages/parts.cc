@@ -79,6 +79,10 @@ std::string TileHtml(const std::string& value, const std::string& what, const ch
                      Escape(what));
 }
 
+std::string CountTileHtml(std::int64_t count, const std::string& noun) {
+  return TileHtml(std::to_string(count), noun + (count == 1 ? "" : "s"));
+}
+
 std::string TimeHtml(const std::vector<RoundTime>& rounds) {
   double seconds = 0, compute = 0;
   std::int64_t tasks = 0, count = 0;

@@ -1,6 +1,7 @@
 // The pieces that every page is put together from.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -32,6 +33,7 @@ std::string TableHtml(const Table& rows);
 std::string TilesHtml(const std::string& tiles);
 // A key number. `mood`: "", good or bad.
 std::string TileHtml(const std::string& value, const std::string& what, const char* mood = "");
+std::string CountTileHtml(std::int64_t count, const std::string& noun);  // "1" over "iteration"
 // Wall time by round.
 std::string TimeHtml(const std::vector<RoundTime>& rounds);
 // A whole page of its own round `body`.
