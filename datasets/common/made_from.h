@@ -1,4 +1,4 @@
-// Whether a result is held against the log that it was made from.
+// Whether a result is held against the log that it was made from, or against a result of the same log.
 #pragma once
 
 #include "schema/blob.h"
@@ -14,6 +14,11 @@ inline void CheckMadeFrom(const Blob& result, const Blob& log) {
   if (made_from != given)
     throw InputError("the result was made from another log: its content, truth and provenance aside, is " +
                      made_from + ", that of the log given here is " + given);
+}
+
+// Of two results: whether both say what they were made from, and it is not the same.
+inline bool MadeFromOtherLogs(const Blob& result, const Blob& other) {
+  return result.Has("log_hash") && other.Has("log_hash") && result.Text("log_hash") != other.Text("log_hash");
 }
 
 }  // namespace cairn::datasets

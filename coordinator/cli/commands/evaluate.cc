@@ -9,6 +9,7 @@
 #include "coordinator/cli/common/result_file.h"
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/common/suggest.h"
+#include "datasets/common/made_from.h"
 #include "datasets/evaluate/learning/features.h"
 #include "datasets/evaluate/relations.h"
 #include "datasets/kinds/result_kinds.h"
@@ -102,7 +103,14 @@ datasets::Scores ScoreOfResult(const EvaluateArguments& options, const BlobFile&
   datasets::ScoreOptions how = HowToScore(options);
   how.map_name = ResultPath(options.result, kind);
   WarnOfSeveralJobs(options.result, "it is " + Escaped(how.map_name) + " that is scored");
-  return MakeScores(row.evaluate(ReadResult(how.map_name, kind, options.changed).blob, truth.blob, how));
+  const Blob result = ReadResult(how.map_name, kind, options.changed).blob;
+  // A log that a map was not made from is refused. Two maps may be of two drives through one place.
+  if (truth.kind == kind && datasets::MadeFromOtherLogs(result, truth.blob))
+    std::fprintf(stderr,
+                 "cairn: warning: %s and %s were made from two logs: they are compared as if of one place, "
+                 "in one frame\n",
+                 Escaped(how.map_name).c_str(), Escaped(options.truth).c_str());
+  return MakeScores(row.evaluate(result, truth.blob, how));
 }
 
 datasets::Scores ScoreOfRelations(const EvaluateArguments& options) {

@@ -102,6 +102,23 @@ TEST_F(EvaluateCommand, ScoresAGridMapOnItsLogAndAgainstAnother) {
   Refuses({folder_ / "run", "--truth", folder_ / "reference.h5", "--nearest", "3"}, "are for networks");
 }
 
+TEST_F(EvaluateCommand, WarnsOfTwoMapsThatWereMadeFromTwoLogs) {
+  const auto map_of = [](const char* log) {
+    Blob map = datasets::DrawnMap({"...", ".#.", "..."});
+    map.Put("log_hash", Array::Text(log));
+    return map;
+  };
+  Write("map.h5", "grid_map", map_of("0123"));
+  Write("same.h5", "grid_map", map_of("0123"));
+  Write("other.h5", "grid_map", map_of("4567"));
+  Write("older.h5", "grid_map", map_of("0123").Without("log_hash"));
+  for (const char* fitting : {"same.h5", "older.h5"})
+    EXPECT_EQ(Evaluate({folder_ / "map.h5", "--truth", folder_ / fitting}).complaint, "") << fitting;
+  const Said said = Evaluate({folder_ / "map.h5", "--truth", folder_ / "other.h5"});
+  EXPECT_EQ(said.code, kExitDone);
+  ExpectContains(said.complaint, "other.h5 were made from two logs: they are compared as if of one place");
+}
+
 TEST_F(EvaluateCommand, RefusesWhatDoesNotBelongTogether) {
   const std::string log = folder_ / "log.h5";
   Write("log.h5", "log", datasets::SimulateLoop({.seed = 3}));
