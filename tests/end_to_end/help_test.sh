@@ -88,6 +88,34 @@ for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallwa
   runs "${words[@]}"
 done
 
+# Those of the pipelines, as far as --dry-run goes: files and options are read, and each is begun.
+mkdir pipelines
+cd pipelines
+cairn simulate loop --difficulty paper --sonar --seed 7 log.h5 >/dev/null
+cairn export csv log.h5 tables >/dev/null
+cairn import images ../inputs/snapshots ../inputs/poses.csv images.h5 >/dev/null
+for run in 1 2; do
+  awk -v run="$run" 'BEGIN {
+    print "time_s,x_m,y_m,door,light"
+    for (k = 0; k < 40; ++k) printf "%d,%g,0,%g,%g\n", k, k / 2, sin(k + run / 50), cos(k / 3 + run / 50)
+  }' >run$run.csv
+done
+cairn import vectors run1.csv first.h5 >/dev/null
+cairn import vectors run1.csv run2.csv vectors.h5 >/dev/null
+cairn run landmark_learning first.h5 --set networks=2 --set steps=5 --set window_m=5 --out learned >/dev/null 2>&1
+cp learned/landmark_learning.h5 networks.h5
+shown=0
+for pipeline in $(cairn pipelines --json | sed -n 's/^    "name": "\(.*\)",$/\1/p'); do
+  cp vectors.h5 samples.h5
+  [ "$pipeline" != image_features ] || cp images.h5 samples.h5
+  line=$(cairn pipelines "$pipeline" | sed -n 's/^  \(cairn run .*--out result\)$/\1/p')
+  [ -n "$line" ] || die "cairn pipelines $pipeline: no example"
+  exits 0 bash -euo pipefail -c "$line --dry-run"
+  shown=$((shown + 1))
+done
+[ "$shown" -ge 7 ] || die "only $shown pipelines were found"
+cd ..
+
 exits 0 cairn-reproduce help
 says '^Subcommands:'
 refuses "there is no command 'landmark'; did you mean 'landmarks'" cairn-reproduce landmark

@@ -400,6 +400,23 @@ TEST_F(JobFile, APipelinesOptionsAreShownWithUnitRangeAndDefault) {
   EXPECT_NE(PipelinesJson(catalog_.pipelines()).find("\"high\": 10.0"), std::string::npos);
 }
 
+// `tests/end_to_end/help_test.sh` runs those of all pipelines.
+TEST_F(JobFile, AnExampleSaysNoOptionWithoutAValue) {
+  PipelineSpec pipeline = catalog_.At("forward_map");
+  EXPECT_EQ(PipelineText(pipeline).find("=.h5"), std::string::npos);
+  pipeline.options = {catalog_.At("landmark_map").options.front(),
+                      catalog_.At("landmark_map").options.front()};
+  EXPECT_NE(PipelineText(pipeline).find("\n  cairn run forward_map log.h5 --set cell_m=1 --out result\n"),
+            std::string::npos)
+      << PipelineText(pipeline);
+  pipeline.options.front().name = "runs";
+  pipeline.options.front().default_text.clear();
+  EXPECT_NE(PipelineText(pipeline).find(
+                "\n  cairn run forward_map log.h5 --input poses=poses.h5 --set cell_m=1 --out result\n"),
+            std::string::npos)
+      << PipelineText(pipeline);
+}
+
 TEST_F(JobFile, InputsBesideTheLogReachTheStage) {
   const std::string log = (folder_ / "museum.h5").string();
   const ParsedJob parsed = ResolveJob({"forward_map", log, {}, 0, {"poses=" + log}}, catalog_);

@@ -57,6 +57,22 @@ nlohmann::ordered_json ToJson(const OptionSpec& option) {
   return json;
 }
 
+// One that runs where the files that it names are there. An option that is empty unless somebody says
+// otherwise may be one that has to be said, unless another input says it: which runs to localise in networks
+// know.
+std::string ExampleOf(const PipelineSpec& pipeline) {
+  std::string example = "cairn run " + pipeline.name + " " +
+                        (pipeline.inputs.empty() ? "FILE" : pipeline.inputs.front().name) + ".h5";
+  const auto& options = pipeline.options;
+  const auto has_value = [](const OptionSpec& option) { return !option.default_text.empty(); };
+  const auto beside = std::ranges::find_if(pipeline.inputs, &InputSpec::optional);
+  if (!options.empty() && !has_value(options.front()) && beside != pipeline.inputs.end())
+    example += " --input " + beside->name + "=" + beside->name + ".h5";
+  if (const auto option = std::ranges::find_if(options, has_value); option != options.end())
+    example += " --set " + option->name + "=" + option->default_text;
+  return example + " --out result";
+}
+
 }  // namespace
 
 std::string PipelineList(const std::vector<PipelineSpec>& pipelines) {
@@ -75,12 +91,8 @@ std::string PipelineText(const PipelineSpec& pipeline) {
                      InputText(pipeline) + "\nOptions, with what they are where nobody says otherwise (" +
                      "--set NAME=VALUE, or `options:` of a job file):\n";
   for (const OptionSpec& option : pipeline.options) text += OptionText(option);
-  return text + "\nExample:\n  cairn run " + pipeline.name + " " +
-         (pipeline.inputs.empty() ? "FILE" : pipeline.inputs.front().name) + ".h5" +
-         (pipeline.options.empty()
-              ? ""
-              : " --set " + pipeline.options.front().name + "=" + pipeline.options.front().default_text) +
-         " --out result\n\ncairn run --help says what `cairn run` itself takes\n";
+  return text + "\nExample:\n  " + ExampleOf(pipeline) +
+         "\n\ncairn run --help says what `cairn run` itself takes\n";
 }
 
 std::string PipelinesJson(const std::vector<PipelineSpec>& pipelines) {
