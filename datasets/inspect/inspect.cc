@@ -6,8 +6,11 @@
 #include <cmath>
 
 #include "datasets/common/array_text.h"
+#include "datasets/common/grid_map_verdict.h"
 #include "datasets/common/landmark_map_verdict.h"
 #include "datasets/common/local_map_verdict.h"
+#include "datasets/common/localization_verdict.h"
+#include "datasets/common/networks_verdict.h"
 #include "datasets/common/observation_doubts.h"
 #include "datasets/common/occupancy.h"
 #include "datasets/common/unit_doubts.h"
@@ -159,6 +162,17 @@ std::string TracesOf(const kinds::LocalMap& map) {
          "; the path follows " + std::to_string(followed);
 }
 
+// How far a result can be trusted; without words where it is none.
+Verdict VerdictOf(const Blob& blob) {
+  if (blob.Has("map/landmark_x_m")) return LandmarkMapVerdict(blob);
+  if (blob.Has("traces/robot")) return LocalMapVerdict(blob);
+  const std::string kind = KindOf(blob);
+  if (kind == "grid_map") return GridMapVerdict(blob);
+  if (kind == "networks") return NetworksVerdict(blob);
+  if (kind == "localization") return LocalizationVerdict(blob);
+  return {};
+}
+
 Facts FactsOf(const Blob& blob) {
   Facts facts;
   if (blob.Has("runs") && blob.Has("run/0/input")) AddSamples(Read<kinds::Samples>(blob), &facts);
@@ -179,17 +193,15 @@ Facts FactsOf(const Blob& blob) {
     facts.emplace_back("true landmarks", std::to_string(log.truth.landmarks.name.size()));
   if (map.map.landmark_x_m) {
     facts.emplace_back("map landmarks", std::to_string(map.map.landmark_x_m.size()));
-    facts.emplace_back("verdict", LandmarkMapVerdict(blob).Text());
     if (map.refinement_reason)
       facts.emplace_back("refinement", NotRefined(blob).empty() ? "done" : NotRefined(blob));
   }
   const kinds::GridMap::Grid& grid = grid_map.grid;
   if (grid.probability && grid.probability.shape().size() == 2) facts.emplace_back("grid", GridOf(grid));
   const auto local = Read<kinds::LocalMap>(blob);
-  if (local.traces.robot) {
-    facts.emplace_back("traces", TracesOf(local));
-    facts.emplace_back("verdict", LocalMapVerdict(blob).Text());
-  }
+  if (local.traces.robot) facts.emplace_back("traces", TracesOf(local));
+  if (const Verdict verdict = VerdictOf(blob); !verdict.why.empty())
+    facts.emplace_back("verdict", verdict.Text());
   const auto likelihoods = map.history.log_likelihood.OrNone();
   if (!likelihoods.empty()) {
     facts.emplace_back("iterations", std::to_string(likelihoods.size()) + ", log-likelihood " +

@@ -4,6 +4,7 @@
 
 #include "datasets/common/samples.h"
 #include "datasets/evaluate/testing/grid.h"
+#include "datasets/evaluate/testing/localization.h"
 #include "datasets/simulate/loop.h"
 #include "datasets/testing.h"
 #include "datasets/testing_result.h"
@@ -36,6 +37,14 @@ TEST(Inspect, CellsOfWhichNothingIsKnownAreNeitherOccupiedNorFree) {
   Blob map = DrawnMap({"##..", "#.##"});
   map.Put("map/grid/log_odds_difference", Array::Of<double>({2, 4}, {3, -2, 0.009, 0, 4, -0.005, -5, 0.01}));
   ExpectContains(InspectText(Inspected(map, "grid_map")), "; 2 occupied, 3 free\n");
+}
+
+TEST(Inspect, SaysOfEachResultHowFarItCanBeTrusted) {
+  ExpectContains(InspectText(Inspected(DrawnMap({"##..", "#.##"}), "grid_map")), "  verdict  not known: ");
+  ExpectContains(InspectText(Inspected(LocalizationFile(), "localization")), "  verdict");
+  Blob networks;
+  networks.Put("networks/hidden_weight", Array::Of<double>({1, 1, 1}, {1}));
+  ExpectContains(InspectText(Inspected(networks, "networks")), "  verdict  not known: no run was held out");
 }
 
 TEST(Inspect, TellsWhatALogHolds) {

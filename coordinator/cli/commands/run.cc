@@ -19,6 +19,7 @@
 #include "coordinator/core/job.h"
 #include "coordinator/local/embedded.h"
 #include "schema/process_limits.h"
+#include "schema/text.h"
 
 namespace cairn::cli {
 namespace {
