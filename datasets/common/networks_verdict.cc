@@ -31,7 +31,8 @@ Verdict NetworksVerdict(const Blob& result) {
   const double reduced = 1 - held_out[best] / held_out_prior;
   const double reduced_in_training = 1 - networks.history.training_error_m[best] / prior;
   verdict.numbers = {{"held_out_reduction", reduced}, {"training_reduction", reduced_in_training}};
-  verdict.trust = reduced >= kUseful && 2 * reduced >= reduced_in_training ? Confidence::kFair : Confidence::kLow;
+  verdict.trust =
+      reduced >= kUseful && 2 * reduced >= reduced_in_training ? Confidence::kFair : Confidence::kLow;
   if (reduced < kUseful) {
     verdict.why =
         "on the run that was held out they are of no more use than a detector that always says the same";
