@@ -142,13 +142,18 @@ Verdict::Doubt OfRun(const kinds::LandmarkMap::Fit& fit) {
                       fit.longest_run.Scalar(), fit.longest_run_from_s.Scalar())};
 }
 
-Verdict::Doubt OfJumps(const kinds::LandmarkMap::Fit& fit) {
-  const std::int64_t jumps = fit.odometry_misfits.Or(0);
+// Names hold a map together where its odometry broke. Without any, what is seen after a slip becomes
+// landmarks of its own beside those seen before, which fit as well as right ones do.
+Verdict::Doubt OfJumps(const kinds::LandmarkMap& map) {
+  const std::int64_t jumps = map.fit.odometry_misfits.Or(0);
   if (jumps == 0) return {Confidence::kHigh};
-  return {Confidence::kFair,
-          fmt::format("odometry does not fit {}, worst at {:.1f} s: did the robot slip, was it carried?",
+  const auto& identity = map.map.landmark_identity.OrNone();
+  const bool nameless = !identity.empty() && std::ranges::all_of(identity, [](int id) { return id < 0; });
+  return {nameless ? Confidence::kLow : Confidence::kFair,
+          fmt::format("odometry does not fit {}, worst at {:.1f} s: did the robot slip, was it carried?{}",
                       jumps == 1 ? std::string("once") : fmt::format("{} times", jumps),
-                      fit.worst_odometry_s.Or(0))};
+                      map.fit.worst_odometry_s.Or(0),
+                      nameless ? " Without names a slip makes landmarks that are not there" : "")};
 }
 
 // A slip of odometry between two halves that share no landmark moves one of them, and nothing else says so.
@@ -360,7 +365,7 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, const SeenO
   verdict->Add(OfSeenOnce(seen, true));
   for (const Verdict::Doubt& doubt :
        {OfMisfits(map), WhereStartsDisagree(map, OfWidths(map)), WhereStartsDisagree(map, OfRun(fit)),
-        WhereStartsDisagree(map, OfJumps(fit)), OfHalves(fit), OfHoles(map, verdict), OfPlaces(map, verdict),
+        WhereStartsDisagree(map, OfJumps(map)), OfHalves(fit), OfHoles(map, verdict), OfPlaces(map, verdict),
         OfOneSided(map, verdict), OfUncertainty(map, verdict), OfDistances(map, verdict),
         OfTurns(map, verdict), OfRangeOffsets(map, verdict)}) {
     verdict->Add(doubt);

@@ -161,10 +161,28 @@ TEST(LandmarkMapVerdict, OfLandmarksWithoutNamesAtADistanceTheSearchAndTheFitTel
   EXPECT_NE(few.why.find("; most starts led to another map"), std::string::npos) << few.why;
   const Verdict carried = searched(5, 57.25, FittedMap(200, 0, 0, 1));
   EXPECT_EQ(carried.trust, Confidence::kLow) << "of 12 starts, and the path breaks";
-  EXPECT_NE(carried.why.find("was it carried?; most starts led to another map"), std::string::npos)
+  EXPECT_NE(carried.why.find("was it carried? Without names a slip makes landmarks that are not "
+                             "there; most starts led to another map"),
+            std::string::npos)
       << carried.why;
   EXPECT_EQ(searched(5, 57.25, FittedMap(200, 6, 6, 0)).trust, Confidence::kLow);
-  EXPECT_EQ(searched(7, 57.25, FittedMap(200, 0, 0, 1)).trust, Confidence::kFair);
+}
+
+// Names hold the two sides of a slip together; without any each side has landmarks of its own.
+TEST(LandmarkMapVerdict, OdometryThatDoesNotFitIsLowWhereNothingHasAName) {
+  const auto slipped = [](const std::vector<std::int32_t>& identity, std::int64_t jumps) {
+    Blob map = FittedMap(200, 0, 0, jumps);
+    map.PutAll("", Searched(12, 57.25));
+    map.PutVector("map/landmark_identity", identity);
+    return LandmarkMapVerdict(map);
+  };
+  EXPECT_EQ(slipped({-1, -1}, 0).trust, Confidence::kFair);
+  EXPECT_EQ(slipped({-1, 0}, 1).trust, Confidence::kFair) << "one has a name";
+  const Verdict nameless = slipped({-1, -1}, 1);
+  EXPECT_EQ(nameless.trust, Confidence::kLow);
+  EXPECT_NE(nameless.why.find("was it carried? Without names a slip makes landmarks that are not there"),
+            std::string::npos)
+      << nameless.why;
 }
 
 TEST(LandmarkMapVerdict, OfNamedLandmarksTheFitTells) {
