@@ -25,6 +25,7 @@ dev_packages=(
   liboctomap-dev python3-yaml python3-pil # read back what is exported
   iproute2 nftables # tests/faults: networks that fail
   qemu-user # EndToEnd.cpu: a CPU below the build's target
+  lintian zsh # EndToEnd.package: Debian's checker, with dpkg-dev and man-db; completion
 )
 
 packages=("${build_packages[@]}")

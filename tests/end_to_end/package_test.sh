@@ -1,0 +1,89 @@
+#!/usr/bin/env bash
+# The Debian package, made of what is built: what is in it, manual pages, completion, services, and what Debian's own
+# checker says of it.
+source "$(dirname "$0")/common.sh"
+for program in dpkg-deb dpkg-shlibdeps cpack lintian man; do
+  command -v "$program" >/dev/null || skip "needs $program"
+done
+
+exits 0 "$CAIRN_SOURCE/deploy/package.sh" --tree "${CAIRN_BUILD:?}" --out "$work/out"
+package=$(cat stdout)
+[ -s "$package" ] || die "no package where it says that it is: '$package'"
+lintian --allow-root --fail-on error,warning "$package" >lintian.log 2>&1 || die "lintian: $(cat lintian.log)"
+dpkg-deb -R "$package" root
+share=$work/root/usr/share
+
+# field NAME PATTERN: that field of the package.
+field() { [[ $(dpkg-deb -f "$package" "$1") =~ $2 ]] || die "its field $1 is '$(dpkg-deb -f "$package" "$1")'"; }
+field Version "^$(cairn --version | grep -oE '[0-9]+\.[0-9]+\.[0-9]+' | head -n 1)-"
+field Section '^science$'
+field Maintainer '^[^<>]+ <[^ ]+@[^ ]+>$'
+for library in libc6 libhdf5 libzmq5 libprotobuf libopencv-core adduser; do field Depends "(^|, )$library"; done
+diff <(dpkg-deb -f "$package" Architecture) <(dpkg --print-architecture) || die "another architecture"
+
+cmake --install "$CAIRN_BUILD" --prefix "$work/plain" >/dev/null
+diff <(ls root/usr/bin) <(ls plain/bin) || die "not the programs that cmake --install installs"
+for file in root/usr/bin/*; do ! grep -q RUNPATH <(readelf -d "$file") || die "$file looks for libraries where it was built"; done
+for file in README.md copyright changelog.gz changelog.Debian.gz docs/fleet.md docs/my-own-log.md; do
+  [ -s "$share/doc/cairn/$file" ] || die "it has no $file"
+done
+diff <(sort root/DEBIAN/conffiles) <(cd root && find etc -type f | sed 's|^|/|' | sort) ||
+  die "not all settings are conffiles, or others are"
+! grep -qvE '^(#|$)' root/etc/cairn/* || die "a setting is set"
+
+# Every command has its page, every page its command, and each leads to the others.
+exits 0 man --warnings -l "$share"/man/man1/*.gz
+[ ! -s stderr ] || die "manual pages with warnings"
+zcat "$share"/man/man1/*.gz >pages
+sed -n 's/\\-/-/g; s/^\.BR \(.*\) (1).*/\1/p' pages | sort -u >named
+diff named <(basename -a -s .1.gz "$share"/man/man1/* | sort) || die "SEE ALSO and pages differ"
+for command in $(cairn --help | awk '/^Subcommands:/ {on = 1; next} /^$/ {on = 0} on && /^  [a-z]/ {print $1}'); do
+  grep -qx "cairn-$command" named || die "cairn $command has no page"
+done
+cairn import csv --help | sed -n 's/^  \(-h,\)\?\(--[a-z-]*\).*/\2/p' >options
+zcat "$share/man/man1/cairn-import-csv.1.gz" | sed -n 's/\\-/-/g; s/^\\fB\(-h,\)\?\(--[a-z-]*\).*/\2/p' >described
+diff options described || die "cairn import csv: other options in its page than in its help"
+
+# completes WANT WORD…: what bash offers for the last word.
+completes() {
+  local want=$1 got
+  shift
+  # shellcheck disable=SC2016
+  got=$(bash -euc 'source "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _cairn; echo "${COMPREPLY[*]}"' \
+    "$share/bash-completion/completions/cairn" "$@")
+  [ "$got" = "$want" ] || die "$*: bash offers '$got', not '$want'"
+}
+completes 'import' cairn im
+completes 'csv carmen' cairn -v import c
+completes '--drain-s' /usr/bin/cairn-worker --dr
+completes 'paper base hard extreme museum' cairn simulate loop --difficulty ''
+completes 'landmark_learning landmark_map' cairn run land
+completes 'import' cairn help im
+completes '' cairn run job.yaml --out ''
+completes "$(xargs <options)" cairn import csv --
+for program in root/usr/bin/*; do
+  [ -e "$share/bash-completion/completions/${program##*/}" ] || [[ $program = *-images ]] || die "bash knows no $program"
+done
+if command -v zsh >/dev/null; then
+  # zsh's own helpers, in so far as they show what they are given.
+  # shellcheck disable=SC2016
+  got=$(zsh -f -c '_describe() { print -rl -- ${(P)@[-1]%%:*} }; compadd() { print -rl -- ${(P)@[-1]} }; _files() { print files }
+    source=$1; shift; words=("$@"); CURRENT=$#; source $source' \
+    zsh "$share/zsh/vendor-completions/_cairn" cairn simulate loop --difficulty '' 2>&1 | xargs)
+  [ "$got" = 'paper base hard extreme museum' ] || die "zsh offers '$got'"
+  zsh -n "$share/zsh/vendor-completions/_cairn" || die "zsh cannot read its completion"
+fi
+
+# The services' options are those that the programs know, and systemd understands the rest.
+{ cairn worker --help && cairn coordinator --help; } >known
+for unit in root/lib/systemd/system/*.service; do
+  for option in $(sed -n 's/^ExecStart=//p; s/^#CAIRN_[A-Z]*_OPTIONS=//p' "$unit" root/etc/cairn/*.env | grep -oE -- '--[a-z-]+'); do
+    grep -q -- "^  $option " known || die "$unit: there is no $option"
+  done
+  if command -v systemd-analyze >/dev/null; then
+    sed "s|/usr/bin/cairn|$CAIRN_BIN/cairn|" "$unit" >"${unit##*/}"
+    exits 0 systemd-analyze verify --man=no "./${unit##*/}"
+    [ ! -s stderr ] || die "systemd-analyze finds fault with $unit"
+  fi
+done
+[ -z "$(find root/etc root/lib -name '*.wants')" ] || die "a service is enabled"
