@@ -41,6 +41,8 @@ grep -q '</html>' again.html || die "the page is cut off"
 refuses 'there already' cairn report 'my result' --out again.html
 refuses 'there already' cairn report 'my result'
 exits 0 cairn report 'my result' --force
+exits 0 cairn export csv log.h5 csv  # the same again
+echo >>csv/odometry.csv
 refuses "csv/odometry.csv' is there already" cairn export csv log.h5 csv
 exits 0 cairn export csv log.h5 csv --force
 
