@@ -340,11 +340,16 @@ TEST(RemoveLeftovers, LeavesWhatThisProcessIsWriting) {
   remover.join();
 }
 
-TEST(RemoveLeftovers, TakesOnlyWhatADeadProcessLeft) {
-  const TempFolder folder;
+pid_t DeadProcess() {
   const pid_t child = ::fork();
   if (child == 0) ::_exit(0);
-  ASSERT_EQ(::waitpid(child, nullptr, 0), child);
+  EXPECT_EQ(::waitpid(child, nullptr, 0), child);
+  return child;
+}
+
+TEST(RemoveLeftovers, TakesOnlyWhatADeadProcessLeft) {
+  const TempFolder folder;
+  const pid_t child = DeadProcess();
   const std::string of_dead = ".cairn-log.h5." + std::to_string(child) + "-3.tmp";
   const std::string of_living = ".cairn-log.h5." + std::to_string(::getppid()) + "-3.tmp";
   const std::string of_one_with_this_number = ".cairn-log.h5." + std::to_string(::getpid()) + "-3.tmp";
@@ -364,9 +369,7 @@ TEST(RemoveLeftovers, TakesOnlyWhatADeadProcessLeft) {
 
 TEST(RemoveLeftovers, OfAFileTakesNoneOfAnother) {
   const TempFolder folder;
-  const pid_t child = ::fork();
-  if (child == 0) ::_exit(0);
-  ASSERT_EQ(::waitpid(child, nullptr, 0), child);
+  const pid_t child = DeadProcess();
   const std::string end = "." + std::to_string(child) + "-0.tmp";
   for (const char* name : {"a", "a.b", "b"}) std::ofstream(folder / (".cairn-" + (name + end))) << "x";
   RemoveLeftoversOf(folder / "a");

@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "coordinator/cli/app.h"
 #include "coordinator/cli/common/invocation.h"
+#include "coordinator/cli/testing.h"
 #include "datasets/evaluate/testing/grid.h"
 #include "datasets/evaluate/testing/localization.h"
 #include "datasets/evaluate/testing/networks.h"
@@ -21,11 +21,6 @@ using datasets::ExpectContains;
 // What `cairn evaluate …` says in a folder with networks, samples and a log.
 class EvaluateCommand : public testing::Test {
  protected:
-  struct Said {
-    int code;
-    std::string out, complaint;
-  };
-
   EvaluateCommand() {
     Write("networks.h5", "networks", datasets::NetworksFile({{}}, {0, 1}, {0.9F, 0.2F}));
     Write("samples.h5", "samples", datasets::SamplesFile({{"a", {0, 1}, {5, 6}}, {"b", {0.5}, {5}}}));
@@ -37,13 +32,8 @@ class EvaluateCommand : public testing::Test {
   }
 
   static Said Evaluate(std::vector<std::string> words) {
-    words.insert(words.begin(), {"cairn", "evaluate"});
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
-    const int code = Main(static_cast<int>(arguments.size()), arguments.data());
-    return {code, testing::internal::GetCapturedStdout(), testing::internal::GetCapturedStderr()};
+    words.insert(words.begin(), "evaluate");
+    return Cairn(std::move(words));
   }
 
   void Refuses(const std::vector<std::string>& words, const std::string& complaint) const {

@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "coordinator/cli/app.h"
 #include "coordinator/cli/common/invocation.h"
+#include "coordinator/cli/testing.h"
 #include "datasets/evaluate/testing/grid.h"
 #include "datasets/evaluate/testing/perfect_result.h"
 #include "datasets/simulate/loop.h"
@@ -46,11 +46,6 @@ TEST(JobOf, TellsJobsApartButNotByWhatChangesNoResult) {
 // A folder with a grid map and a landmark map.
 class FolderJobs : public testing::Test {
  protected:
-  struct Said {
-    int code;
-    std::string out, complaint;
-  };
-
   FolderJobs() {
     std::filesystem::create_directory(folder_ / "out");
     Write("reference.h5", "grid_map", datasets::DrawnMap({"...", "...", "..#"}));
@@ -63,15 +58,6 @@ class FolderJobs : public testing::Test {
     Write("out/grid.h5", "grid_map", ResultOf(of_grid, datasets::DrawnMap({"...", ".#.", "..."})));
     Write("out/marks.h5", "landmark_map",
           ResultOf(of_landmarks, datasets::PerfectLandmarkMap(datasets::SimulateLoop({.seed = 3}))));
-  }
-  static Said Cairn(std::vector<std::string> words) {
-    words.insert(words.begin(), "cairn");
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
-    const int code = Main(static_cast<int>(arguments.size()), arguments.data());
-    return {code, testing::internal::GetCapturedStdout(), testing::internal::GetCapturedStderr()};
   }
 
   datasets::TestFolder folder_;
