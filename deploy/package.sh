@@ -143,7 +143,7 @@ if $check; then
   say "trying it in a bare Debian ($suite)"
   mkdir -p "$folder"
   TMPDIR=$folder mmdebstrap --quiet --variant=minbase --format=null \
-    --customize-hook="copy-in '$package' deploy/package/check.sh /root" \
-    --customize-hook="chroot \"\$1\" bash /root/check.sh /root/$(basename "$package") >&2" "$suite"
+    --customize-hook="copy-in '$package' deploy/package/check.sh /opt" \
+    --customize-hook="chroot \"\$1\" bash /opt/check.sh /opt/$(basename "$package") >&2" "$suite"
   say "installs, maps, and leaves nothing behind"
 fi

