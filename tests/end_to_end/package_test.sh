@@ -2,9 +2,8 @@
 # The Debian package, made of what is built: what is in it, manual pages, completion, services, and what Debian's own
 # checker says of it.
 source "$(dirname "$0")/common.sh"
-for program in dpkg-deb dpkg-shlibdeps cpack lintian man; do
-  command -v "$program" >/dev/null || skip "needs $program"
-done
+command -v lintian >/dev/null && command -v man >/dev/null && command -v dpkg-shlibdeps >/dev/null ||
+  skip "needs lintian, man (man-db) and dpkg-shlibdeps (dpkg-dev)"
 
 exits 0 "$CAIRN_SOURCE/deploy/package.sh" --tree "${CAIRN_BUILD:?}" --out "$work/out"
 package=$(cat stdout)

@@ -69,6 +69,7 @@ done
 mapfile -t tests < <(git grep -lE "command -v|-c 'import" -- 'tests/end_to_end/*_test.sh' 'tests/faults/*_test.sh')
 mapfile -t programs < <(git grep -hoE 'command -v [a-z0-9_-]+' -- "${tests[@]}" | cut -d' ' -f3 | sort -u)
 [ ${#programs[@]} -gt 0 ] || die "no test looks for a program: this test looks at nothing"
+! git grep -nE 'command -v [^a-z]' -- "${tests[@]}" || die "a program whose name is in a variable cannot be hidden"
 rm -rf "$scratch/path" "$scratch/modules"
 mkdir -p "$scratch/path" "$scratch/modules"
 find /usr/sbin /usr/bin /sbin /bin -mindepth 1 -maxdepth 1 \( -type f -o -type l \) -print0 2>/dev/null |
