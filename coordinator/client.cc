@@ -320,20 +320,23 @@ Result<JobList> Client::List() {
                  reply.warning()};
 }
 
-Result<std::vector<wire::WorkerInfo>> Client::Workers() { return AskOfWorkers("status", 0); }
+Result<FleetFacts> Client::Fleet() { return AskOfWorkers("status", 0); }
 
 Result<std::vector<wire::WorkerInfo>> Client::Drain(std::uint64_t worker) {
-  return AskOfWorkers("drain", worker);
+  Result<FleetFacts> told = AskOfWorkers("drain", worker);
+  if (!told.ok()) return told.status();
+  return std::move(told).value().workers;
 }
 
-Result<std::vector<wire::WorkerInfo>> Client::AskOfWorkers(const std::string& action, std::uint64_t worker) {
+Result<FleetFacts> Client::AskOfWorkers(const std::string& action, std::uint64_t worker) {
   wire::Message question;
   question.envelope.mutable_workers()->set_action(action);
   question.envelope.mutable_workers()->set_worker(worker);
   const Result<wire::Message> answer = Ask(std::move(question), options_.timeout_s);
   if (!answer.ok()) return answer.status();
-  const auto& fleet = answer.value().envelope.reply().fleet();
-  return std::vector<wire::WorkerInfo>(fleet.begin(), fleet.end());
+  const wire::Reply& reply = answer.value().envelope.reply();
+  return FleetFacts{{reply.fleet().begin(), reply.fleet().end()},
+                    {reply.demand().begin(), reply.demand().end()}};
 }
 
 Result<LogPart> Client::Log(const std::string& job, std::uint64_t after) {

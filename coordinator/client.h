@@ -38,6 +38,11 @@ struct JobList {
   std::string warning = {};  // what is wrong with the service; empty: nothing
 };
 
+struct FleetFacts {
+  std::vector<wire::WorkerInfo> workers;  // those that are connected, in the order in which they joined
+  std::vector<wire::Demand> demand;       // of each job that runs
+};
+
 // Of a job's log.
 struct LogPart {
   wire::JobInfo job;  // where it is over, the lines are all that there are
@@ -89,8 +94,7 @@ class Client {
   // pause, resume, cancel, retry, delete or priority: once it is durable, the job as it stands then (one that
   // is gone has the state `deleted`).
   Result<wire::JobInfo> Command(const std::string& job, const std::string& action, int priority = 0);
-  // Those that are connected, in the order in which they joined.
-  Result<std::vector<wire::WorkerInfo>> Workers();
+  Result<FleetFacts> Fleet();
   // The lines whose numbers are above `after`.
   Result<LogPart> Log(const std::string& job, std::uint64_t after = 0);
   // Lets a worker finish what it runs, and end; 0: all. Those that were told, as they stand then.
@@ -103,7 +107,7 @@ class Client {
   Result<std::map<std::string, BlobPtr>> Results(const std::string& job, ResultsFacts* facts = nullptr);
 
  private:
-  Result<std::vector<wire::WorkerInfo>> AskOfWorkers(const std::string& action, std::uint64_t worker);
+  Result<FleetFacts> AskOfWorkers(const std::string& action, std::uint64_t worker);
   explicit Client(ClientOptions options, wire::DealerSocket socket);
   // `repeats`: how often it may ask again on another connection.
   Result<wire::Message> Ask(wire::Message question, double timeout_s, int repeats = 0);

@@ -31,6 +31,7 @@ namespace {
 
 struct Arguments {
   std::string connect;
+  std::string name;
   int slots = 4;
   std::size_t cache_mb = 512;
   std::uint64_t task_memory_mb = 0;
@@ -71,6 +72,7 @@ void Declare(cli::Command app, Arguments& a) {
       "2000\n"
       "Exit codes: 0 ended on request, 1 no coordinator, 2 refused or bad usage");
   app.Add("--connect", a.connect, "endpoint of the coordinator: ipc:///FOLDER/NAME or tcp://HOST:PORT");
+  app.Add("--name", a.name, "what to call it in the coordinator's lists");
   app.Add("--slots", a.slots, "tasks that may be assigned at a time").Within(1, 1000).ShowDefault();
   app.Add("--cache-mb", a.cache_mb, "memory for blobs that may be needed again").ShowDefault();
   app.Add("--task-memory-mb", a.task_memory_mb,
@@ -143,6 +145,7 @@ WorkerOptions MakeOptions(const Arguments& a) {
   ::gethostname(host.data(), host.size() - 1);
   hello.set_host(host.data());
   hello.set_pid(::getpid());
+  hello.set_name(a.name);
   hello.set_slots(static_cast<std::uint32_t>(a.slots));
   hello.set_process(DrawProcess());
   options.task_memory_mb = a.task_memory_mb;

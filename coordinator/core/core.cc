@@ -116,6 +116,13 @@ std::vector<wire::WorkerInfo> Core::Workers() const {
   return infos;
 }
 
+std::vector<wire::Demand> Core::Demand() const {
+  std::vector<wire::Demand> demands;
+  for (const auto& [order, job] : jobs_)
+    if (job.Running() && !job.AllStagesDone()) demands.push_back(DemandOf(job));
+  return demands;
+}
+
 bool Core::MayRead(const std::string& peer, const Hash& hash) const {
   const Worker* worker = fleet_.Find(peer);
   return worker != nullptr && worker->has.contains(hash);

@@ -61,6 +61,7 @@ class Core {
   std::optional<wire::JobInfo> Find(const std::string& id) const;
   const Job* FindJob(const std::string& id) const;
   std::vector<wire::WorkerInfo> Workers() const;  // in the order in which they joined
+  std::vector<wire::Demand> Demand() const;       // of the jobs that run
   const Fleet& fleet() const { return fleet_; }
   std::size_t held_blobs() const { return ledger_.size(); }
   // For how long the store has been served, in seconds, by this coordinator and those before it. A job's age

@@ -121,6 +121,14 @@ TimeLeft Eta::Expected(const proto::Step& step, const Round& tasks, const Effort
   return left;
 }
 
+double Eta::Work_s(const proto::Step& step, const Round& tasks) const {
+  double cost = CostLater(step) + step.advance_cost();
+  if (tasks.kind() == wire::TaskKey::RUN)
+    for (std::uint32_t i = 0; i < tasks.size(); ++i)
+      if (tasks.task(i).status != TaskStatus::kDone) cost += static_cast<double>(tasks.task(i).cost);
+  return Pace(tasks, {}) * cost;
+}
+
 void Eta::Look(const proto::Step& step, const Round& tasks, const Effort& effort, double now_s) {
   const TimeLeft expected = Expected(step, tasks, effort, now_s);
   const bool jumps = jumps_ || !shows_ || !Alike(effort.workers, workers_);

@@ -45,6 +45,8 @@ class Eta {
 
   // What it takes from now on, as far as that is known now; `tasks` are those of the step, or its ADVANCE.
   TimeLeft Expected(const proto::Step& step, const Round& tasks, const Effort& effort, double now_s) const;
+  // Seconds of one worker that the stage has left, whoever else has work.
+  double Work_s(const proto::Step& step, const Round& tasks) const;
   // Whether it is time to look again.
   bool IsDue(double now_s) const { return jumps_ || !shows_ || now_s - looked_s_ >= kLook_s; }
   void Look(const proto::Step& step, const Round& tasks, const Effort& effort, double now_s);

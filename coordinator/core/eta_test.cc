@@ -50,6 +50,16 @@ TEST(Eta, IsTheWorkOfTheRoundAndOfAllThatFollowsByTheWorkersThereAre) {
   EXPECT_NEAR(stage.Expected(0), 2 + 3 * 2, 1e-9);
 }
 
+TEST(Eta, WorkIsWhatOneWorkerWouldTakeHoweverManyThereAre) {
+  Stage stage(StepOf(8, 3, 8));
+  for (const double workers : {1, 100}) {
+    stage.effort.workers = workers;
+    EXPECT_NEAR(stage.eta.Work_s(stage.step, stage.tasks), 8 + 3 * 8, 1e-9);
+  }
+  for (std::uint32_t task = 0; task < 4; ++task) stage.Finish(task, 3);
+  EXPECT_NEAR(stage.eta.Work_s(stage.step, stage.tasks), 3 * (4 + 3 * 8), 1);
+}
+
 TEST(Eta, NoMoreWorkersThanAPhaseIsWideHelp) {
   Stage stage(StepOf(8, 3, 8, 2));
   stage.effort.workers = 100;

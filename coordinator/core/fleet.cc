@@ -181,6 +181,7 @@ wire::WorkerInfo MakeInfo(const Worker& worker, double now_s) {
   info.set_number(worker.number);
   info.set_host(worker.hello.host());
   info.set_pid(worker.hello.pid());
+  info.set_name(worker.hello.name());
   info.set_state(worker.draining           ? "draining"
                  : worker.hung             ? "hung"
                  : worker.assigned.empty() ? "idle"

@@ -251,6 +251,13 @@ wire::JobInfo MakeInfo(const Job& job, double now_s) {
   return info;
 }
 
+wire::Demand DemandOf(const Job& job) {
+  wire::Demand demand;
+  demand.set_tasks(job.step ? static_cast<std::uint32_t>(std::max(1, job.step->tasks_size())) : 1);
+  demand.set_work_s(job.step ? job.eta.Work_s(*job.step, job.tasks) : job.ExpectedSeconds(0));
+  return demand;
+}
+
 proto::Checkpoint MakeCheckpoint(const Job& job, double now_s, bool with_partials) {
   proto::Checkpoint checkpoint;
   checkpoint.set_job_id(job.id);

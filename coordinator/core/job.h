@@ -172,6 +172,9 @@ std::vector<Hash> TaskInputs(const Job& job, std::uint32_t task);
 
 wire::JobInfo MakeInfo(const Job& job, double now_s);
 
+// What it could put workers to.
+wire::Demand DemandOf(const Job& job);
+
 // The job as it stands, with or without the partials of its round; the job itself says when it may be saved.
 proto::Checkpoint MakeCheckpoint(const Job& job, double now_s, bool with_partials);
 

@@ -39,6 +39,20 @@ TEST(CoreJobs, RunsStartThenTasksThenAdvanceThenTheNextStage) {
   EXPECT_EQ(second.assign.inputs().at("before"), H(20).Binary());
 }
 
+TEST(CoreJobs, ThoseThatRunSayHowManyWorkersTheyCouldUse) {
+  CoreFixture fixture;
+  fixture.Submit();
+  ASSERT_EQ(fixture.core.Demand().size(), 1U) << "it waits for its first worker";
+  EXPECT_EQ(fixture.core.Demand()[0].tasks(), 1U);
+  EXPECT_GT(fixture.core.Demand()[0].work_s(), 0);
+  fixture.Do(PersistDone{"a", 1});
+  fixture.Join("w");
+  fixture.AnswerPlan(fixture.Next(), TestStep(5));
+  EXPECT_EQ(fixture.core.Demand()[0].tasks(), 5U);
+  fixture.Do(PauseJob{"a", "u"});
+  EXPECT_TRUE(fixture.core.Demand().empty());
+}
+
 TEST(CoreJobs, PartialsAreReducedInTaskOrderWhateverTheOrderOfAnswers) {
   CoreFixture fixture;
   Begin(fixture, 3, 4);

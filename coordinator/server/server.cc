@@ -149,6 +149,7 @@ void Server::Take(const std::string& peer, const std::string& user, wire::Envelo
     case wire::Envelope::kHello: {
       wire::Hello& hello = *envelope.mutable_hello();
       hello.set_host(Printable(hello.host(), most));
+      hello.set_name(Printable(hello.name(), most));
       hello.set_slots(std::min(hello.slots(), options_.limits.slots));
       return Handle(WorkerHello{peer, hello});
     }

@@ -205,6 +205,7 @@ void Server::Serve(const std::string& peer, const wire::WorkerQuery& query) {
   for (const wire::WorkerInfo& info : core_.Workers())
     if (query.worker() == 0 || query.worker() == info.number())
       *reply.envelope.mutable_reply()->add_fleet() = info;
+  for (const wire::Demand& demand : core_.Demand()) *reply.envelope.mutable_reply()->add_demand() = demand;
   Reply(peer, std::move(reply));
 }
 

@@ -63,7 +63,7 @@ int Status(const JobsArguments& options, const Invocation&) {
   coordinator::Client client = ConnectClient(options.client);
   if (options.job.empty()) {
     const coordinator::JobList list = Take(client.List());
-    const std::vector<wire::WorkerInfo> workers = Take(client.Workers());
+    const std::vector<wire::WorkerInfo> workers = Take(client.Fleet()).workers;
     std::fputs((options.json ? ServiceJson(list, workers) : ServiceText(list, workers)).c_str(), stdout);
     return kExitDone;
   }

@@ -41,7 +41,8 @@ std::string WorkersTable(const std::vector<wire::WorkerInfo>& workers) {
 Json ToJson(const wire::WorkerInfo& worker) {
   return {{"number", worker.number()}, {"host", worker.host()},     {"pid", worker.pid()},
           {"state", worker.state()},   {"slots", worker.slots()},   {"assigned", worker.assigned()},
-          {"task", worker.task()},     {"task_s", worker.task_s()}, {"silent_s", worker.silent_s()}};
+          {"task", worker.task()},     {"task_s", worker.task_s()}, {"silent_s", worker.silent_s()},
+          {"name", worker.name()}};
 }
 
 }  // namespace
