@@ -55,6 +55,8 @@ set(CAIRN_LINKS_coordinator_core "schema")
 set(CAIRN_LINKS_coordinator_store "schema(/.*)?|coordinator/core|SQLite::.*|Threads::Threads")
 set(CAIRN_LINKS_coordinator_server "schema(/.*)?|coordinator/(core|store)")
 set(CAIRN_LINKS_coordinator_local "schema(/.*)?|coordinator/(core|store|server)|Threads::Threads")
+set(CAIRN_LINKS_coordinator_scale "schema")
+set(CAIRN_LINKS_coordinator_scale_engines "schema|coordinator/scale")
 set(CAIRN_LINKS_coordinator_cli "schema(/.*)?|coordinator/cli/.*|CLI11::.*")
 set(CAIRN_LINKS_coordinator_cli_common "schema(/.*)?")
 set(CAIRN_LINKS_coordinator_cli_job_file
@@ -62,7 +64,7 @@ set(CAIRN_LINKS_coordinator_cli_job_file
 set(CAIRN_LINKS_coordinator_cli_output
   "schema(/.*)?|coordinator|coordinator/(store|cli/(common|job_file))|spdlog::.*|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_commands
-  "schema(/.*)?|coordinator|coordinator/(core|store|server|local|cli/(common|job_file|output))|datasets/.*|nlohmann_json::.*")
+  "schema(/.*)?|coordinator|coordinator/(core|store|server|local|scale|scale/engines|cli/(common|job_file|output))|datasets/.*|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_commands_import
   "schema/store|coordinator/cli/(common|job_file|output)|datasets/import/recorded|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_commands_simulate

@@ -33,6 +33,7 @@ void AddCommands(Command app, Invocation& call) {
   AddWatch(app, call);
   AddLogs(app, call);
   AddJobCommands(app, call);
+  AddScale(app, call);
   AddDrain(app, call);
   AddClean(app, call);
   AddKeys(app, call);

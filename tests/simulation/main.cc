@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "tests/simulation/scale_world.h"
 #include "tests/simulation/world.h"
 
 namespace {
@@ -29,6 +30,34 @@ std::string Verdict(const std::string& program, std::uint64_t seed, const std::s
          std::to_string(seed) + " --seeds 1 --trace\n";
 }
 
+// Worlds of the scaler's. How many failed.
+std::uint64_t RunScaleWorlds(const std::string& program, std::uint64_t first, std::uint64_t seeds,
+                             double days, bool stop, const cairn::simulation::Trace& trace) {
+  cairn::simulation::ScaleOutcome sum;
+  std::uint64_t worlds = 0, failed = 0;
+  for (; worlds < seeds && !(stop && failed > 0); ++worlds) {
+    const std::uint64_t seed = first + worlds;
+    const cairn::simulation::ScaleOutcome outcome = cairn::simulation::ScaleWorld(seed, trace).Run(days);
+    for (const auto part :
+         {&cairn::simulation::ScaleOutcome::turns, &cairn::simulation::ScaleOutcome::started,
+          &cairn::simulation::ScaleOutcome::drained, &cairn::simulation::ScaleOutcome::lost,
+          &cairn::simulation::ScaleOutcome::troubles})
+      sum.*part += outcome.*part;
+    if (outcome.violation.empty()) continue;
+    ++failed;
+    const std::string replay = program + " --scale-days " + std::to_string(days);
+    std::fputs(Verdict(replay, seed, outcome.violation).c_str(), stdout);
+  }
+  std::printf(
+      "%llu worlds of %g days, %llu failed; %llu turns, %llu workers started, %llu let go, %llu lost, "
+      "%llu troubles\n",
+      static_cast<unsigned long long>(worlds), days, static_cast<unsigned long long>(failed),
+      static_cast<unsigned long long>(sum.turns), static_cast<unsigned long long>(sum.started),
+      static_cast<unsigned long long>(sum.drained), static_cast<unsigned long long>(sum.lost),
+      static_cast<unsigned long long>(sum.troubles));
+  return failed;
+}
+
 void PrintStats(const Coverage& sum) {
   for (std::size_t mark = 0; mark < cairn::simulation::kMarks; ++mark)
     std::printf("%12llu  %s\n", static_cast<unsigned long long>(sum[mark]),
@@ -46,6 +75,7 @@ int ExitCode(int code) {
 
 int main(int argc, char** argv) {
   std::uint64_t seeds = 1000, first = 1;
+  double scale_days = 0;
   bool traced = false, stats = false, stop = false;
   CLI::App app{
       "Runs Cairn's coordinator in simulated worlds, one a seed: workers and the coordinator crash, hang "
@@ -60,6 +90,8 @@ int main(int argc, char** argv) {
   app.add_option("--first", first, "the first seed")->capture_default_str();
   app.add_flag("--trace", traced, "print every event (>) and action (<), with the simulated time in seconds");
   app.add_flag("--stats", stats, "print how often each fault and each transition came up");
+  app.add_option("--scale-days", scale_days,
+                 "instead, so many days of each world in which workers are started and let go (cairn scale)");
   app.add_flag("--stop", stop, "end at the first seed that fails");
   try {
     app.parse(argc, argv);
@@ -78,6 +110,8 @@ int main(int argc, char** argv) {
   cairn::simulation::Trace trace;
   if (traced)
     trace = [](double now_s, const std::string& line) { std::printf("%10.4f  %s\n", now_s, line.c_str()); };
+  if (scale_days > 0)
+    return ExitCode(RunScaleWorlds(argv[0], first, seeds, scale_days, stop, trace) == 0 ? 0 : 1);
   std::uint64_t worlds = 0, failed = 0, events = 0;
   double simulated_s = 0;
   Coverage sum{};

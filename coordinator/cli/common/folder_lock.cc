@@ -11,10 +11,12 @@
 
 namespace cairn::cli {
 
-FolderLock::FolderLock(const std::filesystem::path& folder)
+FolderLock::FolderLock(const std::filesystem::path& folder, const std::string& busy)
     : fd_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
   if (fd_ < 0) Throw(SystemFailure(folder, "open", errno));
-  ::flock(fd_, LOCK_EX);
+  if (::flock(fd_, busy.empty() ? LOCK_EX : LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  ::close(fd_);
+  throw InputError(busy);
 }
 
 FolderLock::~FolderLock() { ::close(fd_); }

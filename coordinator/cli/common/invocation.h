@@ -44,6 +44,7 @@ void AddJobs(Command app, Invocation& call);         // list, status, watch, res
 void AddJobCommands(Command app, Invocation& call);  // pause, resume, cancel, retry, delete, priority
 void AddWatch(Command app, Invocation& call);
 void AddLogs(Command app, Invocation& call);
+void AddScale(Command app, Invocation& call);        // local, ssh, slurm
 void AddDrain(Command app, Invocation& call);
 void AddClean(Command app, Invocation& call);
 void AddImport(Command app, Invocation& call);

@@ -1,0 +1,26 @@
+// Other programs, run side by side: ssh to each host, the commands of a cluster.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace cairn::coordinator {
+
+struct Program {
+  std::vector<std::string> words;  // the first is looked for in PATH
+  std::string input;               // what it reads
+};
+
+struct ProgramOutput {
+  int exit_code = -1;  // -1: it was not run, or ended by a signal, or by the limit
+  std::string out, err;
+  std::string failure;  // for people; empty where exit_code is 0
+};
+
+// Returns when all have ended, or after `limit_s`: what runs then is killed, with all that it started.
+std::vector<ProgramOutput> RunPrograms(const std::vector<Program>& programs, double limit_s);
+
+// For a POSIX shell: one word, whatever is in it.
+std::string ShellWord(const std::string& text);
+
+}  // namespace cairn::coordinator
