@@ -211,13 +211,26 @@ std::string ReadText(const std::string& path) {
   return text.str();
 }
 
-// One connection to each host serves for all, as long as its socket's name is not too long for one.
+// Nobody is there to be asked, and a host that is silent is away.
+const std::vector<std::string> kSsh = {"ssh",
+                                       "-o",
+                                       "BatchMode=yes",
+                                       "-o",
+                                       "ConnectTimeout=5",
+                                       "-o",
+                                       "ServerAliveInterval=3",
+                                       "-o",
+                                       "ServerAliveCountMax=2"};
+
+// One connection to each host serves for all, where its socket's name can be said: it is not too long for
+// one, and nothing in it means something to ssh.
 std::vector<std::string> SshWords(const ScaleArguments& options, const fs::path& folder) {
-  std::vector<std::string> words = {"ssh", "-o", "BatchMode=yes", "-o", "ConnectTimeout=5"};
+  std::vector<std::string> words = kSsh;
   constexpr std::size_t kMostFolder = 45;
-  if (folder.string().size() <= kMostFolder)
+  const std::string path = folder.string();
+  if (path.size() <= kMostFolder && path.find_first_of("%\"'\\$") == std::string::npos)
     for (const std::string& option : {std::string("ControlMaster=auto"), std::string("ControlPersist=60"),
-                                      "ControlPath=" + (folder / "%C").string()})
+                                      "ControlPath=\"" + path + "/%C\""})
       words.insert(words.end(), {"-o", option});
   for (const std::string& option : options.ssh_options) words.insert(words.end(), {"-o", option});
   return words;
@@ -226,13 +239,10 @@ std::vector<std::string> SshWords(const ScaleArguments& options, const fs::path&
 // ssh's own for a tunnel, of a connection of its own.
 std::vector<std::string> TunnelWords(const ScaleArguments& options, const std::string& endpoint,
                                      const std::string& host) {
-  std::vector<std::string> words = {"ssh", "-N",
-                                    "-o",  "BatchMode=yes",
-                                    "-o",  "ConnectTimeout=5",
-                                    "-o",  "ControlPath=none",
-                                    "-o",  "ExitOnForwardFailure=yes",
-                                    "-o",  "ServerAliveInterval=5",
-                                    "-o",  "ServerAliveCountMax=2"};
+  std::vector<std::string> words = kSsh;
+  for (const char* option : {"ControlPath=none", "ExitOnForwardFailure=yes"})
+    words.insert(words.end(), {"-o", option});
+  words.emplace_back("-N");
   for (const std::string& option : options.ssh_options) words.insert(words.end(), {"-o", option});
   words.insert(words.end(), {"-R", "127.0.0.1:" + std::to_string(options.tunnel_port) + ":" +
                                        endpoint.substr(std::string("tcp://").size())});

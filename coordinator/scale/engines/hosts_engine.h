@@ -27,7 +27,7 @@ struct HostsOptions {
   std::vector<std::string> options;  // that each worker gets: --connect ENDPOINT …
   std::string keys;                  // folder here, of NAME.key; empty: they need none
   std::string server_key;            // the coordinator's public one
-  double limit_s = 20;               // for a host to answer
+  double limit_s = 10;               // for a host to answer
   double away_s = 5;                 // one that did not is left alone for so long, twice as long each time …
   double most_away_s = 300;          // … up to this
   LogSink log = [](Severity, const std::string&) {};
