@@ -4,6 +4,7 @@
 #   deploy/install.sh          what the build and the release tests need
 #   deploy/install.sh --dev    also what ./deploy/test.sh --all needs: clang-format, clang-tidy, h5py, OctoMap
 #   deploy/install.sh --arm64  also what ./deploy/arm64.sh needs: a cross compiler, qemu-user
+#   deploy/install.sh --cluster  also what the tests of ssh and Slurm need, daemons among it: sshd, munged, slurmctld, slurmd
 #   deploy/install.sh --list   installs nothing, prints the packages of the first line
 #
 # Runs as root, or as a user with sudo. The lists below are the whole of it: cmake/CairnDependencies.cmake finds the
@@ -28,14 +29,17 @@ dev_packages=(
   lintian zsh # EndToEnd.package: Debian's checker, with dpkg-dev and man-db; completion
 )
 
+cluster_packages=(openssh-server openssh-client iproute2 slurmctld slurmd slurm-client slurm-wlm-basic-plugins munge)
+
 packages=("${build_packages[@]}")
 for argument in "$@"; do
   case $argument in
     --dev) packages+=("${dev_packages[@]}") ;;
     --arm64) packages+=("${arm64_packages[@]}") ;;
+    --cluster) packages+=("${cluster_packages[@]}") ;;
     --list) printf '%s\n' "${build_packages[@]}"; exit 0 ;;
-    -h | --help) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
-    *) fail "unknown argument '$argument'; allowed: --dev, --arm64, --list" ;;
+    -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    *) fail "unknown argument '$argument'; allowed: --dev, --arm64, --cluster, --list" ;;
   esac
 done
 

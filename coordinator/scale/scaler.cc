@@ -174,7 +174,8 @@ void Scaler::TakeEnded(const EngineWorker& ended, double now_s) {
   const bool unknown = life == lives_.end();
   const bool expected = !unknown && (life->second.drained || life->second.stopped_s >= 0);
   const std::string where = ended.where.empty() ? "" : " on " + ended.where;
-  const std::string line = ended.name + where + " has ended" + (ended.why.empty() ? "" : ": " + ended.why);
+  const std::string why = ended.why.empty() && !expected ? "it was told to, but not from here" : ended.why;
+  const std::string line = ended.name + where + " has ended" + (why.empty() ? "" : ": " + why);
   if (!expected && !unknown && life->second.connected_s < 0)
     NoteFailure(line, now_s);
   else

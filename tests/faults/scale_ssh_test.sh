@@ -5,7 +5,7 @@ source "${CAIRN_SOURCE:?}/tests/end_to_end/common.sh"
 
 [ "$(id -u)" -eq 0 ] || skip "needs root to make network namespaces"
 command -v ip >/dev/null && command -v sshd >/dev/null && command -v ssh-keygen >/dev/null ||
-  skip "needs ip (iproute2), sshd and ssh-keygen (openssh-server)"
+  skip "needs ip (iproute2), sshd and ssh-keygen (deploy/install.sh --cluster)"
 hub=cairn-$$-hub
 hosts=(cairn-$$-one cairn-$$-two cairn-$$-three)
 ip netns add "$hub" 2>/dev/null || skip "may not make network namespaces here"

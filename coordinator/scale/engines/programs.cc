@@ -52,7 +52,7 @@ class Running {
     Read(ends_[2], output_.err);
     pid_ = 0;
     if (WIFEXITED(status)) output_.exit_code = WEXITSTATUS(status);
-    if (output_.exit_code != 0) output_.failure = name_ + ": " + Why(status);
+    if (output_.exit_code != 0) output_.failure = Named(Why(status));
   }
   void Kill(double limit_s) {
     if (pid_ <= 0) return;
@@ -129,6 +129,10 @@ class Running {
       text.append(buffer.data(),
                   std::min(static_cast<std::size_t>(n), kMostOutput - std::min(kMostOutput, text.size())));
     }
+  }
+  // Most say who they are.
+  std::string Named(const std::string& why) const {
+    return why.starts_with(name_ + ":") ? why : name_ + ": " + why;
   }
   // The last line that it wrote to its stderr says it best.
   std::string Why(int status) const {

@@ -19,6 +19,8 @@ TEST(RunPrograms, GivesEachItsInputAndBringsWhatItSays) {
   EXPECT_EQ(outputs[1].exit_code, 3);
   EXPECT_EQ(outputs[1].failure, "sh: said");
   EXPECT_EQ(outputs[2].exit_code, 0);
+  EXPECT_EQ(RunPrograms({{{"sh", "-c", "echo sh: error: no >&2; exit 1"}, ""}}, kLong_s)[0].failure,
+            "sh: error: no");
 }
 
 // Each waits for what the other writes: one after the other they would wait for ever.

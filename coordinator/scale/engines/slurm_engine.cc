@@ -121,7 +121,7 @@ Engine::Started SlurmEngine::Start(const std::vector<std::string>& names) {
   Program program{
       {"sbatch", "--parsable", "--job-name=" + names[0], "--array=0-" + std::to_string(names.size() - 1),
        "--no-requeue", "--ntasks=1", "--signal=B:TERM@" + std::to_string(options_.drain_s + 30),
-       "--export=HOME,PATH,LD_LIBRARY_PATH",
+
        "--output=" + options_.folder + "/logs/" + options_.prefix + "%A_%a.log", "--open-mode=append"},
       ArrayScript(options_, first)};
   program.words.insert(program.words.end(), options_.sbatch.begin(), options_.sbatch.end());
