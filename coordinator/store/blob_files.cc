@@ -47,6 +47,12 @@ bool IsGone(const fs::path& path) {
 
 }  // namespace
 
+Status CheckBlobAlone(const StoreFolder& folder, const Hash& hash) {
+  std::error_code unknown;
+  if (fs::exists(folder.FlatFile(hash), unknown)) return CheckFlatFile(folder.FlatFile(hash), hash);
+  return ReadAlone(folder.BlobFile(hash), hash).status();
+}
+
 BlobFiles::BlobFiles(const StoreFolder& folder) : folder_(folder) {
   for (const fs::path& pack : folder.PackFiles()) {
     const Result<std::vector<wire::NamedBlob>> blobs = ReadPack(pack);
@@ -84,8 +90,8 @@ Result<BlobPtr> BlobFiles::Read(const Hash& hash) {
 
 Status BlobFiles::Check(const Hash& hash) const {
   const fs::path path = FileOf(hash);
-  if (path == folder_.FlatFile(hash)) return CheckFlatFile(path, hash);
-  return path == folder_.BlobFile(hash) ? ReadAlone(path, hash).status() : Status::Ok();
+  const bool alone = path == folder_.FlatFile(hash) || path == folder_.BlobFile(hash);
+  return alone ? CheckBlobAlone(folder_, hash) : Status::Ok();
 }
 
 // Blobs of a pack are asked for one after the other.

@@ -62,6 +62,9 @@ class BlobFiles {
   std::map<Hash, std::filesystem::path> pack_of_;
 };
 
+// Whether a blob that has a file of its own is whole: kNotFound, kCorrupt, as BlobFiles::Read says.
+Status CheckBlobAlone(const StoreFolder& folder, const Hash& hash);
+
 // The files of inputs that are on their way into a store (core/uploads.h). For the thread that writes.
 class UploadFiles {
  public:

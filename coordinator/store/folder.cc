@@ -109,6 +109,15 @@ Result<StoreFolder> StoreFolder::OpenAsItIs(const fs::path& dir) {
   return folder;
 }
 
+Result<StoreFolder> StoreFolder::LookAt(const fs::path& dir) {
+  StoreFolder folder(dir, kNoLock);
+  std::error_code error;
+  if (!fs::exists(folder.VersionFile(), error)) return Status(Code::kNotFound, dir.string() + " is no store");
+  if (Status status = RefuseLinks(dir); !status.ok()) return status;
+  if (Status status = folder.CheckVersion(); !status.ok()) return status;
+  return folder;
+}
+
 Status StoreFolder::LockBlobs() {
   if (blobs_lock_ >= 0) return Status::Ok();
   blobs_lock_ = ::open(Blobs().c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);

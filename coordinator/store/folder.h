@@ -47,6 +47,9 @@ class StoreFolder {
   static Result<StoreFolder> Open(const std::filesystem::path& dir);
   // The same of a store that is there, in which nothing is touched but the lock.
   static Result<StoreFolder> OpenAsItIs(const std::filesystem::path& dir);
+  // The same without the lock: another process may have it, and change what is looked at.
+  // kNotFound: there is no store.
+  static Result<StoreFolder> LookAt(const std::filesystem::path& dir);
   StoreFolder(StoreFolder&& other) noexcept;
   StoreFolder& operator=(StoreFolder&&) = delete;
   ~StoreFolder();

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "coordinator/store/sqlite.h"
+#include "schema/store/atomic_file.h"
 #include "schema/text.h"
 
 namespace cairn::coordinator {
@@ -150,6 +151,46 @@ std::uint64_t JobTable::LastNumberIn(const std::filesystem::path& path) {
   const sqlite::StepLimit limit(db, kMostSteps);
   const Result<std::int64_t> last = sqlite::Number(db, "SELECT number FROM last_number;");
   return last.ok() ? static_cast<std::uint64_t>(std::max<std::int64_t>(last.value(), 0)) : 0;
+}
+
+Status JobTable::Copy(const std::filesystem::path& from, const std::filesystem::path& to) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (!fs::exists(from, error)) return {Code::kNotFound, from.string() + " is not there"};
+  for (const char* ending : {"", "-wal", "-shm", "-journal"}) {  // SQLite would wait for ever on a FIFO
+    const fs::file_status there = fs::symlink_status(from.string() + ending, error);
+    if (fs::exists(there) && !fs::is_regular_file(there))
+      return {Code::kCorrupt, from.string() + ending + " is no file"};
+  }
+  const fs::path part = to.parent_path() / "uploads" / "table.part";  // which the next owner removes
+  const auto remove = [](const fs::path& file) {
+    std::error_code ignored;
+    for (const char* ending : {"", "-wal", "-shm", "-journal"}) fs::remove(file.string() + ending, ignored);
+  };
+  remove(part);
+  {
+    JobTable source, target;
+    sqlite3* db = nullptr;
+    const int opened = sqlite3_open_v2(from.c_str(), &db, SQLITE_OPEN_READONLY, nullptr);
+    source.db_.reset(db);
+    if (opened != SQLITE_OK) return {Code::kCorrupt, from.string() + ": " + sqlite3_errstr(opened)};
+    constexpr int kPatience_ms = 10'000;
+    sqlite3_busy_timeout(source.db_.get(), kPatience_ms);
+    Result<JobTable> made = OpenUnchecked(part);
+    if (!made.ok()) return made.status();
+    target = std::move(made).value();
+    sqlite3_backup* const backup = sqlite3_backup_init(target.db_.get(), "main", source.db_.get(), "main");
+    if (backup == nullptr) return sqlite::Failure(target.db_.get());
+    sqlite3_backup_step(backup, -1);
+    const int copied = sqlite3_backup_finish(backup);
+    if (copied == SQLITE_CORRUPT || copied == SQLITE_NOTADB)
+      return {Code::kCorrupt, from.string() + ": " + sqlite3_errstr(copied)};
+    if (copied != SQLITE_OK) return sqlite::Failure(target.db_.get(), part.string());
+  }
+  for (const char* ending : {"-wal", "-shm", "-journal"}) fs::remove(to.string() + ending, error);
+  fs::rename(part, to, error);
+  if (error) return SystemFailure(to, "rename", error.value());
+  return SyncFolder(to.parent_path());
 }
 
 // All or nothing.

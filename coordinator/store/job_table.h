@@ -29,6 +29,9 @@ class JobTable {
   static Result<JobTable> Open(const std::filesystem::path& path);
   // LastNumber() of a table that may be damaged; 0 where it cannot be told.
   static std::uint64_t LastNumberIn(const std::filesystem::path& path);
+  // A copy of a table that another process may have open, in the place of what is at `to`; whole or not at
+  // all. Only read there; what is in it is looked at by Open. kNotFound; kCorrupt.
+  static Status Copy(const std::filesystem::path& from, const std::filesystem::path& to);
   JobTable(JobTable&&) noexcept = default;
   JobTable& operator=(JobTable&&) noexcept = default;
 

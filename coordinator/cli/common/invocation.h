@@ -44,8 +44,9 @@ void AddJobs(Command app, Invocation& call);         // list, status, watch, res
 void AddJobCommands(Command app, Invocation& call);  // pause, resume, cancel, retry, delete, priority
 void AddWatch(Command app, Invocation& call);
 void AddLogs(Command app, Invocation& call);
-void AddScale(Command app, Invocation& call);        // local, ssh, slurm
+void AddScale(Command app, Invocation& call);  // local, ssh, slurm
 void AddDrain(Command app, Invocation& call);
+void AddBackup(Command app, Invocation& call);  // restore too
 void AddClean(Command app, Invocation& call);
 void AddImport(Command app, Invocation& call);
 void AddSimulate(Command app, Invocation& call);

@@ -1,0 +1,146 @@
+#include "coordinator/store/backup.h"
+
+#include <atomic>
+#include <fstream>
+#include <thread>
+
+#include "coordinator/server/testing/hub_fixture.h"
+#include "coordinator/store/checkpoint_file.h"
+#include "schema/store/atomic_file.h"
+
+namespace cairn::coordinator {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A store with a job in its second round, held there; with many tasks, so that there are packs.
+class Backup : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    fixture_.transport.tasks = 20;
+    fixture_.transport.swallow = [](const wire::Assign& assign) {
+      return assign.key().kind() == wire::TaskKey::ADVANCE && assign.key().round() == 1;
+    };
+    fixture_.Submit();
+    fixture_.transport.ComeWorker("w");
+    fixture_.Until([&] {
+      const auto numbers = Store().CheckpointNumbers("a");
+      if (numbers.empty()) return false;
+      const auto saved = ReadCheckpoint(Store().CheckpointFile("a", numbers.back()));
+      return saved.ok() && saved.value().round() == 1;
+    });
+  }
+  const StoreFolder& Store() const { return *fixture_.folder; }
+  fs::path From() const { return fixture_.temp.path() / "store"; }
+  fs::path To() const { return fixture_.temp.path() / "copy"; }
+  BackupFacts Copied() const {
+    Result<BackupFacts> facts = BackUp(From(), To());
+    EXPECT_TRUE(facts.ok()) << facts.status().message();
+    return facts.ok() ? facts.value() : BackupFacts();
+  }
+  bool IsWhole() const { return fs::exists(To() / kBackupMark); }
+  // By another worker, for the first keeps its task.
+  void GoOn() {
+    fixture_.transport.swallow = [](const wire::Assign&) { return false; };
+    wire::Message leave;
+    leave.envelope.mutable_leave();
+    fixture_.transport.Come("w", std::move(leave));
+    fixture_.transport.ComeWorker("another");
+  }
+  static std::set<fs::path> Tree(const fs::path& dir) {
+    std::set<fs::path> files;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(dir))
+      if (entry.is_regular_file()) files.insert(fs::relative(entry.path(), dir));
+    return files;
+  }
+
+  ServerFixture fixture_;
+};
+
+TEST_F(Backup, OfAStoreThatIsServedIsAStoreInWhichTheJobGoesOn) {
+  const std::set<fs::path> before = Tree(From());
+  EXPECT_EQ(Copied().jobs, 1U);
+  EXPECT_TRUE(IsWhole());
+  EXPECT_EQ(Tree(From()), before) << "nothing is written there";
+  fixture_.server.reset();
+  fixture_.folder.reset();
+  fs::remove_all(From());
+  fixture_.store_dir = To();
+  fixture_.transport.swallow = [](const wire::Assign&) { return false; };
+  fixture_.Start();
+  EXPECT_EQ(fixture_.server->core().Find("a")->round(), 1U);
+  fixture_.transport.ComeWorker("w");
+  fixture_.Until([&] { return fixture_.State() == "done"; });
+}
+
+TEST_F(Backup, OverAnEarlierOneCopiesWhatIsNewAndRemovesWhatNobodyNeeds) {
+  EXPECT_GT(Copied().files, 1U);
+  EXPECT_EQ(Copied().files, 0U);
+  GoOn();
+  fixture_.Until([&] { return fixture_.State() == "done"; });
+  EXPECT_GT(Copied().files, 0U);
+  EXPECT_TRUE(StoreFolder::LookAt(To()).value().PackFiles().empty()) << "a job that is done needs none";
+  EXPECT_EQ(StoreFolder::LookAt(To()).value().CheckpointNumbers("a").size(), 1U);
+}
+
+TEST_F(Backup, WhileJobsRunEachIsWhole) {
+  fixture_.transport.rounds = 200;
+  GoOn();
+  std::atomic<bool> over = false;
+  std::vector<std::string> damaged;
+  std::size_t copies = 0;
+  std::thread copier([&] {
+    for (; !over; ++copies)
+      for (const std::string& what : Copied().damaged) damaged.push_back(what);
+  });
+  fixture_.Until([&] { return fixture_.State() == "done"; });
+  over = true;
+  copier.join();
+  EXPECT_EQ(damaged, std::vector<std::string>());
+  EXPECT_GT(copies, 0U);
+}
+
+TEST_F(Backup, WhatIsDamagedIsSaidAndTheCopyKeepsWhatItHad) {
+  Copied();
+  const std::set<fs::path> whole = Tree(To());
+  // The next checkpoint is none.
+  const std::uint64_t next = Store().CheckpointNumbers("a").back() + 1;
+  std::ofstream(Store().CheckpointFile("a", next)) << "no checkpoint";
+  const BackupFacts facts = Copied();
+  ASSERT_EQ(facts.damaged.size(), 1U);
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, "job a: ", facts.damaged[0]);
+  EXPECT_FALSE(IsWhole());
+  std::set<fs::path> kept = Tree(To());
+  kept.insert(kBackupMark);
+  EXPECT_EQ(kept, whole);
+}
+
+TEST_F(Backup, AStoreWithoutJobsTakesNoCopyAway) {
+  Copied();
+  TempFolder other;
+  {
+    ASSERT_TRUE(StoreFolder::Open(other.path() / "store").ok());
+  }
+  EXPECT_EQ(BackUp(other.path() / "store", To()).status().code(), Code::kRefused) << "is it the right store?";
+  EXPECT_TRUE(IsWhole());
+  EXPECT_EQ(BackUp(other.path() / "none", To()).status().code(), Code::kNotFound);
+  EXPECT_EQ(BackUp(To(), From()).status().code(), Code::kBusy) << "a store that is served is nobody's copy";
+  EXPECT_FALSE(fs::exists(other.path() / "none"));
+}
+
+TEST_F(Backup, OfAJobThatWasDeletedNothingStays) {
+  proto::Checkpoint cancelled;
+  cancelled.set_job_id("b");
+  cancelled.set_number(1);
+  *cancelled.mutable_job() = fixture_.MakeJob();
+  cancelled.set_state(proto::JOB_CANCELLED);
+  fs::create_directories(Store().Checkpoints() / "b");
+  ASSERT_TRUE(WriteCheckpoint(Store().CheckpointFile("b", 1), cancelled).ok());
+  EXPECT_EQ(Copied().jobs, 2U);
+  fs::remove_all(Store().Checkpoints() / "b");
+  EXPECT_EQ(Copied().jobs, 1U);
+  EXPECT_EQ(StoreFolder::LookAt(To()).value().JobsWithCheckpoints(), std::vector<std::string>{"a"});
+}
+
+}  // namespace
+}  // namespace cairn::coordinator
