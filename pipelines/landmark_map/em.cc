@@ -269,6 +269,7 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
       done.Next(options, static_cast<std::int64_t>(robots.size()), sum.log_likelihood(), sum.counts().Sum());
   robot_states.work = NextWork(sum, done, next, robot_states.step_counts, settings.gauge_free,
                                settings.Model(&m_step.perception));
+  robot_states.landmarks = std::ssize(m_step.landmarks);
   cairn::Step step;
   std::map<std::string, Blob> fresh{{"history", history},
                                     {"counts", StoredCounts(sum.counts())},

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "pipelines/landmark_map/model/work.h"
+#include "pipelines/landmark_map/outlook.h"
 #include "pipelines/landmark_map/result.h"
 #include "pipelines/landmark_map/state/partial.h"
 #include "pipelines/landmark_map/state/speculation.h"
@@ -107,6 +108,7 @@ RobotStates MakeAllSteps(const Blob& blob, const Options& options, const Initial
             ? WorkWhereLost(count, settings.Model(&*initial.perception))
             : WorkOf(ReckonOpenLoop(steps, settings.Model(nullptr), count).cells, count));
     robot_states.sharp.push_back(WorkOfStep(steps, settings.Model(nullptr)));
+    robot_states.refined_rows.push_back(RefinedRows(log.robot[r].observations));
     robot_states.blobs["steps/" + std::to_string(r)] = step->Share(BlobOf(steps));
     all->push_back(steps);
   }

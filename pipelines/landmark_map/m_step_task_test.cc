@@ -80,6 +80,7 @@ TEST(MStepTask, LargePartialsAreAddedUpAFewAtATime) {
   robot_states.step_counts = {1000, 1000};
   robot_states.work = {1000 * 0.4 * kSumBytes / sizeof(double), 1000 * 3.0 * kSumBytes / sizeof(double)};
   robot_states.sharp = robot_states.work;
+  robot_states.refined_rows = {0.0, 0.0};
   robot_states.overlap = {kOverlap, kOverlap};
   robot_states.odometry.resize(2);
   cairn::Step step;
@@ -117,6 +118,7 @@ TEST(MStepTask, BeforeRobotsAreApartEachGetsTheMapOfTheOthers) {
   robot_states.blobs = {{"settings", "s"}, {"steps/0", "a"}, {"steps/1", "b"}, {"steps/2", "c"}};
   robot_states.step_counts = {10, 10, 10};
   robot_states.work = robot_states.sharp = {10.0, 10.0, 10.0};
+  robot_states.refined_rows = {0.0, 0.0, 0.0};
   robot_states.overlap = {kOverlap, kOverlap, kOverlap};
   robot_states.odometry.resize(3);
   const std::vector<std::string> robots = {"one", "two", "three"};

@@ -1,6 +1,8 @@
 #include "pipelines/landmark_map/outlook.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <numeric>
 
 #include "pipelines/common/handed_over.h"
@@ -54,8 +56,22 @@ double CostOf(const Schedule& schedule, const StepCost& step_us, const RobotStat
   return cost;
 }
 
+double SumOf(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+
+// Of observations at a distance the least squares ends the job, of contact detections an E-step follows it.
+bool RefinesAtADistance(const RobotStates& robot_states) { return SumOf(robot_states.refined_rows) > 0.0; }
+
+double RefinementCost(const RobotStates& robot_states) {
+  const auto landmarks = static_cast<double>(robot_states.landmarks);
+  if (RefinesAtADistance(robot_states))
+    return SumOf(robot_states.refined_rows) * (kRefinedRowUs + kRefinedRowAndLandmarkUs * landmarks);
+  const auto& counts = robot_states.step_counts;
+  return kRefinementUs * static_cast<double>(std::accumulate(counts.begin(), counts.end(), std::int64_t{0}));
+}
+
 struct Sum {
   double rounds = 0.0, cost = 0.0;
+  double refinement = 0.0;  // at a distance: it takes one worker, however many robots there are
   void Add(double more_rounds, double more_cost) {
     rounds += more_rounds;
     cost += more_cost;
@@ -67,6 +83,18 @@ std::int64_t ScalarOf(const State& state, const char* name) {
   return value == state.scalars().end() ? 0 : value->second.i();
 }
 
+// What an EM says of the rounds after the first robot's.
+Sum LastOf(const google::protobuf::RepeatedPtrField<proto::Phase>& later) {
+  Sum last;
+  for (const proto::Phase& phase : later) {
+    if (phase.rounds() > 0.0)
+      last = {phase.rounds(), phase.cost()};
+    else
+      last.refinement = phase.cost();
+  }
+  return last;
+}
+
 // From the first robot's last iteration on, that E-step included.
 Sum AfterSearch(const Options& options, const Schedule& now, const State& state) {
   std::size_t robots = 0;
@@ -75,15 +103,17 @@ Sum AfterSearch(const Options& options, const Schedule& now, const State& state)
   const RobotStates robot_states = RobotStates::Load(state, robots);
   proto::Step rest;
   ExpectEm(options, now, robot_states, &rest);
-  return {1.0 + RoundsLater(rest),
-          CostOf(now, StepCost(options, robot_states, now), robot_states) + CostLater(rest)};
+  const Sum later = LastOf(rest.later());
+  return {1.0 + later.rounds, CostOf(now, StepCost(options, robot_states, now), robot_states) + later.cost,
+          rest.advance_cost() + later.refinement};
 }
 
-// What an EM says of the rounds after the first robot's.
-Sum LastOf(const google::protobuf::RepeatedPtrField<proto::Phase>& later) {
-  if (later.empty()) return {};
-  const proto::Phase& last = later[later.size() - 1];
-  return {last.rounds(), last.cost()};
+// In the last ADVANCE: a phase without a round of its own.
+void ExpectRefinement(double cost, proto::Step* plan) {
+  if (!(cost > 0.0)) return;
+  proto::Phase& phase = *plan->add_later();
+  phase.set_cost(cost);
+  phase.set_width(1.0);
 }
 
 double RefinedBy(const State& state) {
@@ -131,6 +161,17 @@ double Mean(const std::vector<double>& costs) {
 
 }  // namespace
 
+double RefinedRows(const kinds::Log::Observations& seen) {
+  const auto range_m = seen.range_m.OrNone();
+  const auto landmark = seen.landmark.OrNone();
+  double rows = 0.0;
+  for (std::size_t i = 0; i < range_m.size(); ++i) {
+    if (std::isnan(range_m[i])) continue;
+    rows += landmark[i] >= 0 ? 1.0 : 2.0;
+  }
+  return rows;
+}
+
 double CostSoFar(const State& state) {
   const auto cost = state.scalars().find(kCost);
   return cost == state.scalars().end() ? 0.0 : cost->second.d();
@@ -151,15 +192,12 @@ void ExpectEm(const Options& options, const Schedule& now, const RobotStates& ro
     const bool first = s.robots == 1 && !s.summarises();
     (first ? alone : all).Add(1.0, CostOf(s, step_us, robot_states));
   }
+  const bool refines = options.refine && !now.is_refined(), at_a_distance = RefinesAtADistance(robot_states);
+  const double refinement = refines ? RefinementCost(robot_states) : 0.0;
   plan->clear_advance_cost();
-  if (options.refine && !now.is_refined()) {
-    double refine = 0.0;
-    for (const std::int64_t steps : robot_states.step_counts)
-      refine += kRefinementUs * static_cast<double>(steps);
-    if (now.summarises())
-      plan->set_advance_cost(refine);
-    else
-      all.cost += refine;
+  if (now.summarises() && refines) plan->set_advance_cost(refinement);
+  if (refines && !at_a_distance) {
+    if (!now.summarises()) all.cost += refinement;
     Schedule last = now;
     last.robots = robots;
     last.phase = Phase::kSummary;
@@ -171,6 +209,7 @@ void ExpectEm(const Options& options, const Schedule& now, const RobotStates& ro
   ExpectRounds(alone.rounds, alone.cost, 1.0, plan);
   const Spread range = robots > 1 ? kOfRobots : Spread{};
   ExpectRounds(all.rounds, all.cost, static_cast<double>(robots), plan, range.least, range.most);
+  if (at_a_distance && !now.summarises()) ExpectRefinement(refinement, plan);
 }
 
 SearchOutlook::SearchOutlook(const Options& options, const std::vector<cairn::Step>& steps) {
@@ -190,6 +229,7 @@ SearchOutlook::SearchOutlook(const Options& options, const std::vector<cairn::St
     const Sum last = over ? AfterSearch(options, now, state) : LastOf(later);
     last_rounds_ = std::max(last_rounds_, last.rounds);
     last_cost_ = std::max(last_cost_, last.cost);
+    refinement_ = std::max(refinement_, last.refinement);
     if (last.rounds > 0.0) e_step = std::max(e_step, last.cost / last.rounds);
     finer = std::max(finer, RefinedBy(state));
     if (ScalarOf(state, "refit_of") >= 0) continue;
@@ -212,6 +252,7 @@ void SearchOutlook::Announce(proto::Step* plan) const {
   ExpectRounds(rounds_, cost_, width_, plan, kOfIterations.least, kOfIterations.most);
   ExpectRounds(new_rounds_, new_cost_, new_width_, plan, new_least_, new_most_);
   ExpectRounds(last_rounds_, last_cost_, 1.0, plan, kOfLast.least, kOfLast.most);
+  ExpectRefinement(refinement_, plan);
 }
 
 void CountCost(const State& before, cairn::Step* step) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "pipelines/landmark_map/landmark_map.h"
 #include "pipelines/landmark_map/testing.h"
 
@@ -15,6 +17,7 @@ RobotStates OfRobots(std::size_t robots) {
   robot_states.step_counts.assign(robots, 1000);
   robot_states.work.assign(robots, kWork);
   robot_states.sharp.assign(robots, kWork);  // as sharp as it gets
+  robot_states.refined_rows.assign(robots, 0.0);
   return robot_states;
 }
 
@@ -69,6 +72,73 @@ TEST(ExpectEm, NothingFollowsTheLastRound) {
   EXPECT_EQ(Outlook({}, {.phase = Phase::kRefinedSummary}).later_size(), 0);
   EXPECT_EQ(Outlook({.refine = false}, {.phase = Phase::kSummary}).later_size(), 0);
   EXPECT_EQ(Outlook({.incremental = true}, {}).later_size(), 0);
+}
+
+// Most of the work of a long log with many landmarks, whose E-steps go fast.
+TEST(ExpectEm, LeastSquaresOverObservationsAtADistanceTakesAsLongAsTheirRowsAndLandmarksSay) {
+  RobotStates robot_states = OfRobots(1);
+  const auto refinement = [&](double rows, std::int64_t landmarks) {
+    robot_states.refined_rows[0] = rows;
+    robot_states.landmarks = landmarks;
+    proto::Step plan;
+    ExpectEm({}, {.phase = Phase::kSummary}, robot_states, &plan);
+    return plan.advance_cost();
+  };
+  EXPECT_EQ(refinement(0.0, 600), kRefinementUs * 1000) << "contact detections: by the steps";
+  EXPECT_EQ(refinement(5e4, 0), kRefinedRowUs * 5e4);
+  EXPECT_EQ(refinement(5e4, 600), (kRefinedRowUs + 600 * kRefinedRowAndLandmarkUs) * 5e4);
+}
+
+// One worker has it, however many robots there are, and no E-step follows it.
+TEST(ExpectEm, LeastSquaresOverObservationsAtADistanceIsAPhaseOfItsOwnAndTheLast) {
+  RobotStates robot_states = OfRobots(4);
+  proto::Step contacts, ranges, summary;
+  ExpectEm({}, {}, robot_states, &contacts);
+  robot_states.refined_rows = {1e4, 0.0, 1e4, 0.0};
+  ExpectEm({}, {}, robot_states, &ranges);
+  ASSERT_EQ(ranges.later_size(), contacts.later_size() + 1);
+  const proto::Phase& last = ranges.later(ranges.later_size() - 1);
+  EXPECT_EQ(last.cost(), kRefinedRowUs * 2e4);
+  EXPECT_EQ(last.width(), 1);
+  EXPECT_EQ(last.rounds(), 0);
+  EXPECT_LT(RoundsLater(ranges), RoundsLater(contacts));
+  ExpectEm({}, {.phase = Phase::kSummary}, robot_states, &summary);
+  EXPECT_EQ(summary.later_size(), 0);
+}
+
+TEST(RefinedRows, CountsThoseAtADistanceTwiceWhereTheyHaveNoName) {
+  const double nan = std::nan("");
+  kinds::Log::Observations seen;
+  seen.range_m = std::vector<double>{nan, 2.0, 3.0, 4.0};
+  seen.landmark = std::vector<std::int32_t>{0, 0, 1, -1};
+  EXPECT_EQ(RefinedRows(seen), 2 + 2);
+  seen.range_m = std::vector<double>{nan, nan, nan, nan};
+  EXPECT_EQ(RefinedRows(seen), 0.0);
+}
+
+// Through the pipeline: the State says how many landmarks the map of the round before has.
+TEST(ExpectEm, LeastSquaresIsExpectedOfTheMapThatThereIs) {
+  const SquareLog square{.laps = 3, .side_m = 10.0, .ranged = true, .identified = true};
+  std::vector<double> costs;
+  RunInProcess(LandmarkMap({.cell_m = 0.5}), {{"log", std::make_shared<const Blob>(square.Make())}},
+               [&](const proto::Step& step) {
+                 if (step.advance_cost() > 0.0) costs.push_back(step.advance_cost());
+               });
+  const double rows = 3 * 4, landmarks = 4;
+  EXPECT_EQ(costs, std::vector{rows * (kRefinedRowUs + landmarks * kRefinedRowAndLandmarkUs)});
+}
+
+// Searched or not: what is told of the candidates knows the refinement that ends the job.
+TEST(SearchOutlook, KnowsTheLeastSquares) {
+  const auto last_of = [](bool ranged) {
+    const auto log = std::make_shared<const Blob>(SquareLog{.side_m = 20.0, .ranged = ranged}.Make());
+    const Step step = LandmarkMap({.cell_m = 1.0, .starts = 10}).Start(MapInputs({{"log", log}}));
+    return step.plan.later(step.plan.later_size() - 1);
+  };
+  EXPECT_EQ(last_of(true).rounds(), 0.0);
+  EXPECT_EQ(last_of(true).cost(), 2.0 * 3 * 4 * kRefinedRowUs)
+      << "of rows without names, before there is a map";
+  EXPECT_GT(last_of(false).rounds(), 0.0);
 }
 
 // Through the pipeline: the search's later waves were announced by no step.

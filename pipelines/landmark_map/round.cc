@@ -186,8 +186,10 @@ void RobotStates::Store(State* state) const {
     (*state->mutable_scalars())["work/" + number].set_d(work[r]);
     (*state->mutable_scalars())["sharp/" + number].set_d(sharp[r]);
     (*state->mutable_scalars())["overlap/" + number].set_i(overlap[r]);
+    (*state->mutable_scalars())["refined_rows/" + number].set_d(refined_rows[r]);
     PutScalars(odometry[r], "/" + number, state);
   }
+  (*state->mutable_scalars())["landmarks"].set_i(landmarks);
 }
 
 RobotStates RobotStates::Load(const State& state, std::size_t robots) {
@@ -200,12 +202,16 @@ RobotStates RobotStates::Load(const State& state, std::size_t robots) {
     robot_states.work.push_back(state.scalars().at("work/" + number).d());
     robot_states.sharp.push_back(state.scalars().at("sharp/" + number).d());
     robot_states.overlap.push_back(state.scalars().at("overlap/" + number).i());
+    robot_states.refined_rows.push_back(state.scalars().at("refined_rows/" + number).d());
     robot_states.odometry.push_back(ScalarsIn<OdometryFit>(state, "/" + number));
     robot_states.odometry.back().Check();
   }
+  robot_states.landmarks = state.scalars().at("landmarks").i();
+  RequireWithin("the number of landmarks", robot_states.landmarks, 0, kMostSteps);
   RequireAllWithin("the steps of a robot", robot_states.step_counts, std::int64_t{1}, kMostSteps);
   RequireAllWithin("the overlap of guesses", robot_states.overlap, std::int64_t{0}, kMostSteps);
-  for (const std::vector<double>* work : {&robot_states.work, &robot_states.sharp})
+  for (const std::vector<double>* work :
+       {&robot_states.work, &robot_states.sharp, &robot_states.refined_rows})
     RequireAllWithin("the work of a robot", *work, 0.0, kMostWork);
   return robot_states;
 }

@@ -21,6 +21,8 @@ struct RobotStates {
   std::vector<double> work;                  // per robot, expected of its next E-step (model/work.h)
   std::vector<double> sharp;                 // per robot, expected of a step once the map is sharp
   std::vector<std::int64_t> overlap;         // per robot: steps by which guesses overlap (speculation.h)
+  std::vector<double> refined_rows;          // per robot: of its least squares (outlook.h)
+  std::int64_t landmarks = 0;                // of the last M-step's map; 0: there is none yet
 
   void Store(State* state) const;
   // Throws InputError where a figure is none that Store could have stored: others made the State.
