@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 
+#include "datasets/common/landmarks_on_one_side.h"
 #include "datasets/common/landmarks_seen_once.h"
 #include "datasets/common/moved_landmarks.h"
 #include "schema/kinds/landmark_map.h"
@@ -365,9 +366,9 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, const SeenO
   verdict->Add(OfSeenOnce(seen, true));
   for (const Verdict::Doubt& doubt :
        {OfMisfits(map), WhereStartsDisagree(map, OfWidths(map)), WhereStartsDisagree(map, OfRun(fit)),
-        WhereStartsDisagree(map, OfJumps(map)), OfHalves(fit), OfHoles(map, verdict), OfPlaces(map, verdict),
-        OfOneSided(map, verdict), OfUncertainty(map, verdict), OfDistances(map, verdict),
-        OfTurns(map, verdict), OfRangeOffsets(map, verdict)}) {
+        WhereStartsDisagree(map, OfJumps(map)), OfHalves(fit), OfLandmarksOnOneSide(map, verdict),
+        OfHoles(map, verdict), OfPlaces(map, verdict), OfOneSided(map, verdict), OfUncertainty(map, verdict),
+        OfDistances(map, verdict), OfTurns(map, verdict), OfRangeOffsets(map, verdict)}) {
     verdict->Add(doubt);
   }
 }

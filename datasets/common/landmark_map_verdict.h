@@ -23,7 +23,8 @@ Confidence ReadConfidence(const Blob& result);
 // bearings err by three times what is stated, or the distances are 15% off. Chosen on simulated figures of
 // eight; how often it is right of other logs was not measured. Of landmarks without names at a distance: what
 // the search says or the fit, whichever is less, and fair at most; low where ranges or bearings err by 1.5
-// times and less than half of the starts found the map, or where none has a name and odometry does not fit.
+// times and less than half of the starts found the map, or where none has a name and odometry does not fit, or
+// most are seen on one side of a moment alone (landmarks_on_one_side.h).
 // Low, too, where the place of a robot among the others rests on landmarks without names and is not ten nats
 // ahead of the next one, or of none (place_lead_nats); where less than half of the observations are of a
 // landmark; where three landmarks or more, and a fifth of what either side saw and both looked at, are seen

@@ -128,8 +128,8 @@ struct LandmarkMap {
   struct Fit {
     Texts kind;
     Column<double> stated, found, longest_run_from_s, worst_time_s, worst_sigmas, worst_odometry_s,
-        fewest_common_s;
-    Column<std::int64_t> observations, misfits, longest_run, odometry_misfits, fewest_common;
+        fewest_common_s, one_sided_s;
+    Column<std::int64_t> observations, misfits, longest_run, odometry_misfits, fewest_common, one_sided, two_sided;
     Column<std::int32_t> worst_robot;
     Column<std::int32_t> misfit_landmark;
     Column<std::int64_t> landmark_misfits, landmark_observations;
@@ -145,6 +145,9 @@ struct LandmarkMap {
       field({"worst_odometry_s", "", Finite()}, &Fit::worst_odometry_s);
       field({"fewest_common", "", From(0)}, &Fit::fewest_common);
       field({"fewest_common_s", "", Finite()}, &Fit::fewest_common_s);
+      field({"one_sided", "", From(0)}, &Fit::one_sided);
+      field({"two_sided", "", From(0)}, &Fit::two_sided);
+      field({"one_sided_s", "", Finite()}, &Fit::one_sided_s);
       field({"worst_robot", "W", IndexInto("robots")}, &Fit::worst_robot);
       field({"worst_time_s", "W", Finite()}, &Fit::worst_time_s);
       field({"worst_sigmas", "W", From(0)}, &Fit::worst_sigmas);

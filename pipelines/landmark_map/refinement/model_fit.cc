@@ -144,6 +144,7 @@ ModelFit FitOf(const LeastSquaresProblem& nominal, const LeastSquaresProblem& pr
     }
   }
   FindFewestCommon(problem, &fit);
+  fit.sides = FindOneSided(problem, point);
   std::ranges::stable_sort(fit.worst, std::greater(), &ModelFit::Misfit::sigmas);
   fit.worst.resize(std::min(fit.worst.size(), kWorst));
   return fit;
@@ -163,6 +164,11 @@ Blob ModelFit::ToBlob(const std::vector<Landmark>& landmarks, int types) const {
   if (fewest_common >= 0) {
     fit.fewest_common = fewest_common;
     fit.fewest_common_s = fewest_common_s;
+  }
+  if (sides.one_sided > 0) {
+    fit.one_sided = sides.one_sided;
+    fit.two_sided = sides.two_sided;
+    fit.one_sided_s = sides.at_s;
   }
   fit.worst_robot = cairn::ColumnOf(worst, &Misfit::robot);
   fit.worst_time_s = cairn::ColumnOf(worst, &Misfit::time_s);

@@ -8,6 +8,7 @@
 
 #include "pipelines/landmark_map/landmarks/summary.h"
 #include "pipelines/landmark_map/refinement/least_squares.h"
+#include "pipelines/landmark_map/refinement/one_sided.h"
 #include "schema/blob.h"
 
 namespace cairn::landmark_map {
@@ -41,6 +42,7 @@ struct ModelFit {
   // at either end: where there are none the two halves of its map hang on odometry alone. -1: of no robot.
   std::int64_t fewest_common = -1;
   double fewest_common_s = 0;
+  OneSided sides;
   std::vector<Misfit> worst;  // ten at most, the worst first
   // The landmark that most misfits are of, the first of several; -1: there are no misfits.
   std::int32_t misfit_landmark = -1;

@@ -1,0 +1,15 @@
+// Landmarks of a landmark_map without names that a robot saw only before, or only after, one moment, though
+// it looked at their places on both sides of it: those of one side are ghosts of the other's.
+#pragma once
+
+#include "datasets/common/verdict.h"
+#include "schema/kinds/landmark_map.h"
+
+namespace cairn::datasets {
+
+// Low where there are three such landmarks or more, and more than twice as many as those seen on both sides
+// (`fit/one_sided`, `fit/two_sided`): of simulated halls in which odometry slips once these tell the maps
+// that are wrong (pipelines/landmark_map/EXPERIMENTS.md, "A slip without names"). Names tell for themselves.
+Verdict::Doubt OfLandmarksOnOneSide(const kinds::LandmarkMap& map, Verdict* verdict);
+
+}  // namespace cairn::datasets
