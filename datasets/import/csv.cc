@@ -274,8 +274,8 @@ class CsvImport {
     const double beyond = std::max(first - time, time - last);
     const bool may_be_rounded = beyond > 0 && beyond <= kRounding_s && !reader->skips() &&
                                 (AreWholeSeconds(controls) || AreWholeSeconds(*reader, kTime));
-    const std::string others =
-        may_be_rounded ? std::string("; ") + kWholeSeconds : OtherTimes(time, first, last);
+    std::string others = may_be_rounded ? std::string("; ") + kWholeSeconds : OtherTimes(time, first, last);
+    if (others.empty()) others = "; a robot that stood still then needs a row of odometry that says so";
     if (time < first)
       reader->Bad("before the first control", Shown(time) + " before " + Shown(first) + others);
     if (time > last) reader->Bad("after the last control", Shown(time) + " after " + Shown(last) + others);

@@ -288,6 +288,19 @@ TEST_F(ImportCsvTest, BadObservationsNameFileLineAndReason) {
   ExpectContains(failure("2,Rosa\n"), "observations.csv:2: wrong number of columns");
 }
 
+// A sensor may be on while the robot still stands, before the first row of odometry.
+TEST_F(ImportCsvTest, AnObservationBesideTheOdometryIsToldHowToBeTaken) {
+  const std::string header = "time_s,robot,turn_rad,forward_m\n", rows = "1.5,Rosa,0,1\n2.7,Rosa,0,1\n";
+  options_.odometry = folder_.Put("odometry.csv", header + rows);
+  const char* remedy = "; a robot that stood still then needs a row of odometry that says so";
+  PutObservations("2.9,Rosa,,,\n");
+  ExpectContains(Failure(), std::string("after the last control: 2.900000 after 2.700000") + remedy);
+  PutObservations("0.7,Rosa,,,\n");
+  ExpectContains(Failure(), std::string("before the first control: 0.700000 before 1.500000") + remedy);
+  options_.odometry = folder_.Put("odometry.csv", header + "0.7,Rosa,0,0\n" + rows);
+  EXPECT_EQ(Import().observations, 1);
+}
+
 TEST_F(ImportCsvTest, NamesThatCanBeNoneAreBadLines) {
   const std::string long_name(257, 'x');
   PutObservations("1,Rosa,L\x1b[31m,1,0\n2,Rosa,a,1,0\n2,Rosa,a,1,0\n2,Rosa,a,1,0\n2,Rosa,\xff,1,0\n3,Rosa," +
