@@ -92,6 +92,7 @@ TimeLeft Eta::Expected(const proto::Step& step, const Round& tasks, const Effort
   const double pace = Pace(tasks, runs ? effort : Effort{});
   const double usual_s = advances_ > 0 ? advance_s_ / advances_ : 0;
   const double advance_s = step.advance_cost() > 0 ? pace * step.advance_cost() : usual_s;
+  const double over_s = runs ? 0 : std::max(0.0, now_s - tasks_ended_s_ - advance_s);
   double left_s = 0;
   if (runs) {
     double cost = 0, chain = 0;
@@ -114,9 +115,14 @@ TimeLeft Eta::Expected(const proto::Step& step, const Round& tasks, const Effort
   for (const proto::Phase& phase : step.later()) {
     const double chain = phase.width() > 0 ? phase.cost() / phase.width() : 0;
     const double phase_s = Run_s(phase.cost(), chain, effort, pace) + phase.rounds() * usual_s;
-    left.least_s += (phase.most() > 0 ? phase.least() : 1) * phase_s;
-    left.expected_s += phase_s;
-    left.most_s += (phase.most() > 0 ? phase.most() : 1) * phase_s;
+    const double gone_s = phase.rounds() > 0 ? 0 : over_s;
+    const auto rest_s = [&](double times) {
+      return std::max(times * phase_s - gone_s, kNeverDone * times * phase_s);
+    };
+    const double most_s = rest_s(phase.most() > 0 ? phase.most() : 1);
+    left.least_s += rest_s(phase.most() > 0 ? phase.least() : 1);
+    left.expected_s += gone_s > 0 ? std::min(phase_s, most_s / 2) : phase_s;  // any rest is as likely
+    left.most_s += most_s;
   }
   return left;
 }

@@ -112,6 +112,29 @@ TEST(Eta, ADVANCETakesWhatItTookOrWhatItsStepSays) {
   EXPECT_NEAR(stage.Expected(8), 10 - 3 + 1 + usual_s, 1e-9);
 }
 
+// What more it may take than its step says: none, 4 s, or 12 s.
+TEST(Eta, AnADVANCEThatTakesLongerThanItsStepSaysUsesUpThePhaseWithoutARound) {
+  Stage stage(StepOf(2, 1, 0));
+  stage.step.clear_later();
+  stage.step.set_advance_cost(10 * kSecond);
+  proto::Phase& more = *stage.step.add_later();
+  more.set_cost(4 * kSecond);
+  more.set_width(1);
+  more.set_most(3);
+  stage.eta.EndTasks(0, 1);
+  stage.tasks = Round::OfPlan(wire::TaskKey::ADVANCE);
+  const auto expect = [&](double now_s, double least_s, double expected_s, double most_s) {
+    const TimeLeft left = stage.eta.Expected(stage.step, stage.tasks, stage.effort, now_s);
+    EXPECT_NEAR(left.least_s, least_s, 0.6) << now_s;
+    EXPECT_NEAR(left.expected_s, expected_s, 0.6) << now_s;
+    EXPECT_NEAR(left.most_s, most_s, 0.6) << now_s;
+  };
+  expect(1, 10, 14, 22);
+  expect(8, 3, 7, 15);
+  expect(13, 0.5, 0.5 + 4, 0.5 + 10);
+  expect(19, 0.5, 0.5 + 2, 0.5 + 4);  // any of what may be left is as likely
+}
+
 TEST(Eta, ShownCountsDownBetweenLooks) {
   Stage stage(StepOf(8, 3, 8));
   EXPECT_EQ(stage.eta.Shown(0).expected_s, 0) << "unknown";

@@ -22,6 +22,8 @@ struct Spread {
   double least = 1.0, most = 1.0;
 };
 constexpr Spread kOfIterations{0.5, 3.0}, kOfLast{0.5, 5.0}, kOfRobots{0.5, 4.0};
+// The same of a least squares over observations at a distance: nobody knows its steps before.
+constexpr Spread kOfRefinement{0.5, 1.7};
 
 // What a step of a robot takes in E-steps to come: beliefs get narrower from one to the next while the map
 // gets sharper, down to what they are in a sharp one. But a robot that may start anywhere looks for itself in
@@ -108,12 +110,17 @@ Sum AfterSearch(const Options& options, const Schedule& now, const State& state)
           rest.advance_cost() + later.refinement};
 }
 
-// In the last ADVANCE: a phase without a round of its own.
-void ExpectRefinement(double cost, proto::Step* plan) {
+// In the ADVANCE of the summary, whose cost is the least of it: what more it may take, and before the summary
+// all of it, is a phase without a round of its own.
+void ExpectRefinement(double cost, bool is_due, proto::Step* plan) {
   if (!(cost > 0.0)) return;
+  const double least = is_due ? kOfRefinement.least * cost : 0.0, rest = cost - least;
+  if (is_due) plan->set_advance_cost(least);
   proto::Phase& phase = *plan->add_later();
-  phase.set_cost(cost);
+  phase.set_cost(rest);
   phase.set_width(1.0);
+  phase.set_least((kOfRefinement.least * cost - least) / rest);
+  phase.set_most((kOfRefinement.most * cost - least) / rest);
 }
 
 double RefinedBy(const State& state) {
@@ -195,9 +202,11 @@ void ExpectEm(const Options& options, const Schedule& now, const RobotStates& ro
   const bool refines = options.refine && !now.is_refined(), at_a_distance = RefinesAtADistance(robot_states);
   const double refinement = refines ? RefinementCost(robot_states) : 0.0;
   plan->clear_advance_cost();
-  if (now.summarises() && refines) plan->set_advance_cost(refinement);
   if (refines && !at_a_distance) {
-    if (!now.summarises()) all.cost += refinement;
+    if (now.summarises())
+      plan->set_advance_cost(refinement);
+    else
+      all.cost += refinement;
     Schedule last = now;
     last.robots = robots;
     last.phase = Phase::kSummary;
@@ -209,7 +218,7 @@ void ExpectEm(const Options& options, const Schedule& now, const RobotStates& ro
   ExpectRounds(alone.rounds, alone.cost, 1.0, plan);
   const Spread range = robots > 1 ? kOfRobots : Spread{};
   ExpectRounds(all.rounds, all.cost, static_cast<double>(robots), plan, range.least, range.most);
-  if (at_a_distance && !now.summarises()) ExpectRefinement(refinement, plan);
+  if (at_a_distance) ExpectRefinement(refinement, now.summarises(), plan);
 }
 
 SearchOutlook::SearchOutlook(const Options& options, const std::vector<cairn::Step>& steps) {
@@ -252,7 +261,7 @@ void SearchOutlook::Announce(proto::Step* plan) const {
   ExpectRounds(rounds_, cost_, width_, plan, kOfIterations.least, kOfIterations.most);
   ExpectRounds(new_rounds_, new_cost_, new_width_, plan, new_least_, new_most_);
   ExpectRounds(last_rounds_, last_cost_, 1.0, plan, kOfLast.least, kOfLast.most);
-  ExpectRefinement(refinement_, plan);
+  ExpectRefinement(refinement_, false, plan);
 }
 
 void CountCost(const State& before, cairn::Step* step) {

@@ -82,11 +82,19 @@ TEST(ExpectEm, LeastSquaresOverObservationsAtADistanceTakesAsLongAsTheirRowsAndL
     robot_states.landmarks = landmarks;
     proto::Step plan;
     ExpectEm({}, {.phase = Phase::kSummary}, robot_states, &plan);
-    return plan.advance_cost();
+    return plan;
   };
-  EXPECT_EQ(refinement(0.0, 600), kRefinementUs * 1000) << "contact detections: by the steps";
-  EXPECT_EQ(refinement(5e4, 0), kRefinedRowUs * 5e4);
-  EXPECT_EQ(refinement(5e4, 600), (kRefinedRowUs + 600 * kRefinedRowAndLandmarkUs) * 5e4);
+  EXPECT_EQ(refinement(0.0, 600).advance_cost(), kRefinementUs * 1000) << "contact detections: by the steps";
+  for (const int landmarks : {0, 600}) {
+    const double all = (kRefinedRowUs + landmarks * kRefinedRowAndLandmarkUs) * 5e4;
+    const proto::Step plan = refinement(5e4, landmarks);
+    EXPECT_EQ(plan.advance_cost() + CostLater(plan), all);
+    ASSERT_EQ(plan.later_size(), 1);
+    const proto::Phase& more = plan.later(0);  // that it may take, or not
+    EXPECT_EQ(more.least() * more.cost(), 0.0);
+    EXPECT_LT(plan.advance_cost(), 0.6 * all);
+    EXPECT_GT(plan.advance_cost() + more.most() * more.cost(), 1.6 * all);
+  }
 }
 
 // One worker has it, however many robots there are, and no E-step follows it.
@@ -103,7 +111,8 @@ TEST(ExpectEm, LeastSquaresOverObservationsAtADistanceIsAPhaseOfItsOwnAndTheLast
   EXPECT_EQ(last.rounds(), 0);
   EXPECT_LT(RoundsLater(ranges), RoundsLater(contacts));
   ExpectEm({}, {.phase = Phase::kSummary}, robot_states, &summary);
-  EXPECT_EQ(summary.later_size(), 0);
+  EXPECT_EQ(RoundsLater(summary), 0);
+  EXPECT_EQ(summary.advance_cost() + CostLater(summary), last.cost());
 }
 
 TEST(RefinedRows, CountsThoseAtADistanceTwiceWhereTheyHaveNoName) {
@@ -122,7 +131,7 @@ TEST(ExpectEm, LeastSquaresIsExpectedOfTheMapThatThereIs) {
   std::vector<double> costs;
   RunInProcess(LandmarkMap({.cell_m = 0.5}), {{"log", std::make_shared<const Blob>(square.Make())}},
                [&](const proto::Step& step) {
-                 if (step.advance_cost() > 0.0) costs.push_back(step.advance_cost());
+                 if (step.advance_cost() > 0.0) costs.push_back(step.advance_cost() + CostLater(step));
                });
   const double rows = 3 * 4, landmarks = 4;
   EXPECT_EQ(costs, std::vector{rows * (kRefinedRowUs + landmarks * kRefinedRowAndLandmarkUs)});
