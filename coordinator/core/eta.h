@@ -3,8 +3,9 @@
 //
 // The rest of the round takes slowness times pace times the larger of its work over the workers and its
 // longest chain of tasks; each later phase the same, by as many workers as it is wide, and an ADVANCE a
-// round. A phase without a round is what the last ADVANCE takes beyond what was said of it. Pace is seconds of a worker for a unit of cost; slowness is how much longer rounds took than that,
-// as workers wait or serve other jobs.
+// round. A phase without a round is what the last ADVANCE takes beyond what was said of it. Pace is seconds
+// of a worker for a unit of cost; slowness is how much longer rounds took than that, as workers wait or serve
+// other jobs.
 #pragma once
 
 #include <algorithm>

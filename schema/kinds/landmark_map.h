@@ -129,7 +129,8 @@ struct LandmarkMap {
     Texts kind;
     Column<double> stated, found, longest_run_from_s, worst_time_s, worst_sigmas, worst_odometry_s,
         fewest_common_s, one_sided_s;
-    Column<std::int64_t> observations, misfits, longest_run, odometry_misfits, fewest_common, one_sided, two_sided;
+    Column<std::int64_t> observations, misfits, longest_run, odometry_misfits, fewest_common, one_sided,
+        two_sided;
     Column<std::int32_t> worst_robot;
     Column<std::int32_t> misfit_landmark;
     Column<std::int64_t> landmark_misfits, landmark_observations;
