@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "schema/text.h"
 #include "schema/wire/codec.h"
 #include "schema/wire/keys.h"
 
@@ -82,6 +83,13 @@ bool AccessControl::MayWork(const std::string& peer) const {
   if (!list_ || bound == workers_.end()) return true;
   const wire::Allowed* allowed = list_->Find(bound->second.user);
   return allowed != nullptr && allowed->roles.worker;
+}
+
+std::string AccessControl::NameOf(const std::string& user) const {
+  if (!list_ || user.empty()) return "";
+  const wire::Allowed* allowed = list_->Find(user);
+  const std::string name = allowed == nullptr ? "" : Printable(allowed->name, kMostNameBytes);
+  return name.empty() ? wire::ShortKey(user) : name + " (" + wire::ShortKey(user) + ")";
 }
 
 }  // namespace cairn::coordinator

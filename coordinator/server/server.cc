@@ -139,6 +139,7 @@ void Server::Receive(Incoming& incoming) {
     refusal->reason = wire::ShortKey(incoming.user) + ": " + refusal->reason;
     return TurnAway(incoming.peer, *refusal);
   }
+  NoteWhoAsks(incoming.peer, incoming.user, envelope);
   Take(incoming.peer, incoming.user, envelope, incoming.message.blobs);
 }
 

@@ -112,6 +112,8 @@ class Server {
   void TakeDamaged(const Incoming& incoming);
   void TurnAway(const std::string& peer, const wire::Refusal& refusal);
   void EndRevoked();
+  void NoteWhoAsks(const std::string& peer, const std::string& user, const wire::Envelope& asked);
+  void SayWhoAsked(const Answer& answer);
 
   // server_requests.cc
   void Serve(const std::string& peer, const wire::Fetch& fetch);
@@ -146,12 +148,13 @@ class Server {
   std::string last_refusal_;
   AccessControl access_control_;
   Refusals refusals_;
-  std::set<std::string> questions_;  // peers whose question is with the writer
-  std::set<std::string> warned_;     // peers that were told once that they have no business here
-  std::uint64_t last_job_number_;    // that was ever given
-  WaitingLines waiting_lines_;       // of jobs' logs
-  std::uint64_t log_ticket_ = 0;     // of the lines that were written last
-  DiskWriter writer_;                // last: it is joined first
+  std::map<std::string, std::string> asked_by_;  // "cancelled by desk (Yx8…)", by peer, until it is answered
+  std::set<std::string> questions_;              // peers whose question is with the writer
+  std::set<std::string> warned_;                 // peers that were told once that they have no business here
+  std::uint64_t last_job_number_;                // that was ever given
+  WaitingLines waiting_lines_;                   // of jobs' logs
+  std::uint64_t log_ticket_ = 0;                 // of the lines that were written last
+  DiskWriter writer_;                            // last: it is joined first
 };
 
 }  // namespace cairn::coordinator

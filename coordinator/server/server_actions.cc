@@ -66,6 +66,7 @@ void Server::Do(const ForgetJob& forget) {
 }
 
 void Server::Do(const Answer& answer) {
+  SayWhoAsked(answer);
   wire::Message message;
   wire::Reply& reply = *message.envelope.mutable_reply();
   reply.set_ok(answer.refusal.empty());

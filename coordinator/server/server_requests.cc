@@ -60,6 +60,7 @@ Result<BlobFile> PublishedBy(const Job& job, std::size_t stage, const std::files
 }  // namespace
 
 void Server::Reply(const std::string& peer, wire::Message reply) {
+  asked_by_.erase(peer);
   reply.envelope.mutable_reply()->set_workers(static_cast<std::uint32_t>(core_.fleet().size()));
   transport_.Send(peer, std::move(reply));
 }

@@ -1,7 +1,10 @@
-// Those who are turned away: what they are told, and when their connection goes.
+// Those who are turned away: what they are told, and when their connection goes. Those who are not: who asked
+// for what.
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "coordinator/server/rights.h"
 #include "coordinator/server/server.h"
 #include "schema/wire/codec.h"
 
@@ -19,6 +22,29 @@ wire::RefusalKind KindOf(Code code) {
 bool IsUnauthenticated(wire::RefusalKind kind) {
   return kind == wire::RefusalKind::kRevoked || kind == wire::RefusalKind::kIdentity ||
          kind == wire::RefusalKind::kVersion;
+}
+
+// Of what a client asks for that changes something; empty: of nothing.
+std::string DoneBy(const wire::Envelope& asked) {
+  if (asked.has_submit()) return "submitted";
+  const std::optional<JobCommand> command =
+      asked.has_query() ? CommandOf(asked.query().action()) : std::nullopt;
+  if (!command) return "";
+  switch (*command) {
+    case JobCommand::kPause:
+      return "paused";
+    case JobCommand::kResume:
+      return "resumed";
+    case JobCommand::kCancel:
+      return "cancelled";
+    case JobCommand::kRetry:
+      return "tried again";
+    case JobCommand::kDelete:
+      return "deleted";
+    case JobCommand::kPrioritize:
+      return "its priority is set";
+  }
+  return "";
 }
 
 }  // namespace
@@ -60,6 +86,24 @@ void Server::EndRevoked() {
     Handle(WorkerLeave{peer});
     TurnAway(peer, {wire::RefusalKind::kRevoked, "a worker's key was taken off the list"});
   }
+}
+
+void Server::NoteWhoAsks(const std::string& peer, const std::string& user, const wire::Envelope& asked) {
+  if (const std::string who = access_control_.NameOf(user); !who.empty() && !DoneBy(asked).empty())
+    asked_by_[peer] = DoneBy(asked) + " by " + who;
+}
+
+// In the job's log, but where that is gone with it.
+void Server::SayWhoAsked(const Answer& answer) {
+  const auto asked = asked_by_.find(answer.asker);
+  if (asked == asked_by_.end()) return;
+  const std::string line = asked->second;
+  asked_by_.erase(asked);
+  if (!answer.refusal.empty() || answer.known) return;
+  if (core_.Find(answer.job))
+    Note(Severity::kInfo, answer.job, line);
+  else
+    log_(Severity::kInfo, answer.job + ": " + line);
 }
 
 }  // namespace cairn::coordinator

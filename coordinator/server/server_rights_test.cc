@@ -1,6 +1,7 @@
 // Who may say what to a service that has keys, and what comes of it where he may not.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "coordinator/server/testing/hub_fixture.h"
@@ -326,6 +327,24 @@ TEST(RefusalLog, AWorkersWordsCannotGarbleTheLog) {
   EXPECT_LT(kept.host().size(), 5000u);
   EXPECT_EQ(kept.slots(), 1000u);
   for (const std::string& line : fixture.log) EXPECT_EQ(line.find_first_of("\n\x1b"), std::string::npos);
+}
+
+// Of each change who asked for it, where a job's owner looks; of a job that is gone, in the service's log.
+TEST_F(Rights, WhoAskedForAChangeIsInTheLog) {
+  Allow(submitter_ + " submitter desk\n" + viewer_ + " submitter\n");
+  fixture_.Submit();
+  EXPECT_TRUE(Ask(submitter_, Query("pause")).reply().ok());
+  EXPECT_TRUE(Ask(viewer_, Query("cancel")).reply().ok());
+  EXPECT_FALSE(Ask(submitter_, Query("resume")).reply().ok());
+  const std::string desk = "desk (" + wire::ShortKey(submitter_) + ")", other = wire::ShortKey(viewer_);
+  const wire::Envelope answer = Ask(submitter_, Query("logs"));
+  std::vector<std::string> lines;
+  for (const wire::LogLine& line : answer.reply().log()) lines.push_back(line.text());
+  EXPECT_EQ(std::ranges::count(lines, "paused by " + desk), 1);
+  EXPECT_EQ(std::ranges::count(lines, "cancelled by " + other), 1);
+  EXPECT_EQ(std::ranges::count(lines, "resumed by " + desk), 0) << "that was refused";
+  EXPECT_TRUE(Ask(submitter_, Query("delete")).reply().ok());
+  EXPECT_EQ(std::ranges::count(fixture_.log, "a: deleted by " + desk), 1);
 }
 
 }  // namespace
