@@ -154,6 +154,7 @@ void Core::CompareSecond(Job& job, const wire::TaskKey& key, const Hash& first, 
 
 void Core::Count(Job& job, const wire::Done& done, const Worker& worker) {
   if (!job.build) job.build = worker.hello.build();
+  ++tally_.tasks_done;
   proto::StageFacts& facts = job.facts.back();
   if (std::isfinite(done.seconds()) && done.seconds() > 0)  // what a worker says of itself
     facts.set_open_compute_seconds(facts.open_compute_seconds() + done.seconds());
@@ -172,6 +173,7 @@ void Core::EndRoundFacts(Job& job) {
   round.set_note(job.step ? job.step->note() : "start");
   round.set_tasks(job.partials.size());
   round.set_seconds(now_s_ - job.round_since_s);
+  tally_.rounds.Add(round.seconds());
   round.set_compute_seconds(facts.open_compute_seconds());
   facts.set_open_compute_seconds(0);
   Say(Report::kInfo, job, RoundText(job, round));

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "coordinator/core/blob_ledger.h"
+#include "coordinator/core/census.h"
 #include "coordinator/core/events.h"
 #include "coordinator/core/fair_share.h"
 #include "coordinator/core/fleet.h"
@@ -63,6 +64,8 @@ class Core {
   std::vector<wire::WorkerInfo> Workers() const;  // in the order in which they joined
   std::vector<wire::Demand> Demand() const;       // of the jobs that run
   const Fleet& fleet() const { return fleet_; }
+  const Tally& tally() const { return tally_; }
+  Census TakeCensus() const;  // census.cc
   std::size_t held_blobs() const { return ledger_.size(); }
   // For how long the store has been served, in seconds, by this coordinator and those before it. A job's age
   // is counted in it: the time that Handle is told never jumps, and a restart does not make a job young
@@ -220,6 +223,7 @@ class Core {
   std::map<std::uint64_t, LostAttempt> lost_;  // of the last back_s, by Hello.process
   std::optional<double> ticked_s_;             // when it was last seen not to stand still
   BlobLedger ledger_;
+  Tally tally_;
   std::vector<Action> actions_;
 };
 

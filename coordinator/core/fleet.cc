@@ -176,16 +176,19 @@ Worker* Fleet::Idle(const std::set<std::uint64_t>& but) {
 
 Worker* Fleet::Busiest() { return loaded_.empty() ? nullptr : &workers_.at(loaded_.rbegin()->second); }
 
+const char* StateName(const Worker& worker) {
+  if (worker.draining) return "draining";
+  if (worker.hung) return "hung";
+  return worker.assigned.empty() ? "idle" : "busy";
+}
+
 wire::WorkerInfo MakeInfo(const Worker& worker, double now_s) {
   wire::WorkerInfo info;
   info.set_number(worker.number);
   info.set_host(worker.hello.host());
   info.set_pid(worker.hello.pid());
   info.set_name(worker.hello.name());
-  info.set_state(worker.draining           ? "draining"
-                 : worker.hung             ? "hung"
-                 : worker.assigned.empty() ? "idle"
-                                           : "busy");
+  info.set_state(StateName(worker));
   info.set_slots(worker.hello.slots());
   info.set_assigned(static_cast<std::uint32_t>(worker.assigned.size()));
   info.set_silent_s(now_s - worker.heard_s);

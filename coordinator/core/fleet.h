@@ -101,6 +101,8 @@ class Fleet {
   std::map<Hash, std::set<std::uint64_t>> owners_;  // workers by what they have
 };
 
+const char* StateName(const Worker& worker);  // "idle"
+
 // All but the name of the task that runs.
 wire::WorkerInfo MakeInfo(const Worker& worker, double now_s);
 

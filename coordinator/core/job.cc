@@ -104,6 +104,13 @@ double Job::ExpectedSeconds(std::uint32_t task) const {
   return run_pace.Expect(cost);
 }
 
+double Job::ExpectedSeconds(const Round::Share& share) const {
+  const bool plan = tasks.kind() != wire::TaskKey::RUN;
+  const Pace& pace = plan ? plan_pace : run_pace;
+  // Sums of large costs from which others were taken need not end at 0.
+  return share.tasks == 0 ? 0 : pace.cost > 0 ? std::max(0.0, pace.Expect(share.cost)) : share.tasks;
+}
+
 bool IsPlainName(const std::string& name) {
   return !name.empty() && name.size() <= 100 && name[0] != '.' &&
          std::all_of(name.begin(), name.end(), [](unsigned char c) {
@@ -199,8 +206,6 @@ std::vector<Hash> TaskInputs(const Job& job, std::uint32_t task) {
   return hashes;
 }
 
-namespace {
-
 const char* StateName(const Job& job) {
   switch (job.state) {
     case proto::JOB_PAUSED:
@@ -215,8 +220,6 @@ const char* StateName(const Job& job) {
       return job.build.has_value() ? "running" : "queued";
   }
 }
-
-}  // namespace
 
 wire::JobInfo MakeInfo(const Job& job, double now_s) {
   wire::JobInfo info;

@@ -139,7 +139,8 @@ struct Job {
   double Seconds(double now_s) const;
   double MedianTaskSeconds() const;  // of this round's last ones; 0 where fewer than three answers are in
   void NoteSeconds(wire::TaskKey::Kind kind, std::uint64_t cost, double seconds);  // of an answer
-  double ExpectedSeconds(std::uint32_t task) const;  // of work; 1 where nothing is known yet
+  double ExpectedSeconds(std::uint32_t task) const;         // of work; 1 where nothing is known yet
+  double ExpectedSeconds(const Round::Share& share) const;  // the same of some of the tasks under way
 };
 
 inline constexpr int kLowestPriority = -10, kHighestPriority = 10;
@@ -169,6 +170,8 @@ wire::Assign MakeAssign(const Job& job, std::uint32_t task, std::uint32_t attemp
 
 // The blobs that a task reads: where it is placed depends on who has them.
 std::vector<Hash> TaskInputs(const Job& job, std::uint32_t task);
+
+const char* StateName(const Job& job);  // "queued"
 
 wire::JobInfo MakeInfo(const Job& job, double now_s);
 

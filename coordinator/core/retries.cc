@@ -55,6 +55,7 @@ void Core::FailAttempt(Job& job, std::uint32_t task, const std::string& whole_re
   job.failures.push_back(name + ": " + why);
   if (job.failures.size() > kFailuresKept) job.failures.erase(job.failures.begin());
   job.facts.back().set_retries(job.facts.back().retries() + 1);
+  ++tally_.retries;
   if (failures >= options_.max_failures)
     return FailJob(job, name + " failed " + std::to_string(failures) + " times, last: " + why, false);
   Say(Report::kWarning, job, name + ": " + why + "; it is tried again");

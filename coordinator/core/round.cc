@@ -20,6 +20,7 @@ Round Round::OfTasks(const proto::Step& step) {
       if (input.has_task()) earlier.insert(input.task());
     TaskRecord& record = round.tasks_[task.index()];
     record.cost = std::max<std::uint64_t>(task.cost(), 1);
+    round.CountAsWaiting(record);
     record.waits_for = static_cast<std::uint32_t>(earlier.size());
     for (const std::uint32_t index : earlier) round.tasks_[index].followers.push_back(task.index());
     if (earlier.empty()) round.Move(record, task.index(), TaskStatus::kReady);
@@ -38,6 +39,7 @@ Round Round::OfPlan(wire::TaskKey::Kind kind) {
   Round round;
   round.kind_ = kind;
   round.tasks_.resize(1);
+  round.CountAsWaiting(round.tasks_[0]);
   round.Move(round.tasks_[0], 0, TaskStatus::kReady);
   return round;
 }
@@ -92,11 +94,22 @@ void Round::Finish(std::uint32_t index, const Hash& partial) {
   }
 }
 
+void Round::CountAsWaiting(const TaskRecord& task) {
+  Share& waiting = shares_.at(static_cast<std::size_t>(TaskStatus::kWaiting));
+  ++waiting.tasks;
+  waiting.cost += static_cast<double>(task.cost);
+}
+
 void Round::Move(TaskRecord& task, std::uint32_t index, TaskStatus status) {
+  Share& before = shares_.at(static_cast<std::size_t>(task.status));
+  Share& now = shares_.at(static_cast<std::size_t>(status));
+  --before.tasks;
+  ++now.tasks;
+  before.cost -= static_cast<double>(task.cost);
+  now.cost += static_cast<double>(task.cost);
   if (task.status == TaskStatus::kReady) ready_.erase({~task.cost, index});
   task.status = status;
   if (status == TaskStatus::kReady) ready_.insert({~task.cost, index});
-  if (status == TaskStatus::kDone) ++done_count_;
 }
 
 }  // namespace cairn::coordinator

@@ -2,6 +2,7 @@
 // round, or the one START or ADVANCE task that plans the next. Knows no workers and no clock.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <set>
 #include <string>
@@ -52,8 +53,13 @@ class Round {
 
   wire::TaskKey::Kind kind() const { return kind_; }
   std::uint32_t size() const { return static_cast<std::uint32_t>(tasks_.size()); }
-  std::uint32_t done_count() const { return done_count_; }
-  bool AllDone() const { return done_count_ == size(); }
+  std::uint32_t done_count() const { return share(TaskStatus::kDone).tasks; }
+  bool AllDone() const { return done_count() == size(); }
+  struct Share {
+    std::uint32_t tasks = 0;
+    double cost = 0;
+  };
+  const Share& share(TaskStatus status) const { return shares_.at(static_cast<std::size_t>(status)); }
   double cost() const { return cost_; }    // of all tasks
   double chain() const { return chain_; }  // of the longest chain of tasks that wait for each other
   const TaskRecord& task(std::uint32_t index) const { return tasks_.at(index); }
@@ -80,11 +86,12 @@ class Round {
  private:
   void Move(TaskRecord& task, std::uint32_t index,
             TaskStatus status);  // the one place where a status changes
+  void CountAsWaiting(const TaskRecord& task);
 
   wire::TaskKey::Kind kind_ = wire::TaskKey::START;
   std::vector<TaskRecord> tasks_;
   std::set<std::pair<std::uint64_t, std::uint32_t>> ready_;  // {~cost, index}
-  std::uint32_t done_count_ = 0;
+  std::array<Share, 4> shares_;                              // by status
   double cost_ = 0, chain_ = 0;
 };
 

@@ -62,6 +62,7 @@ void Core::On(const PersistDone& event) {
   Saving& saving = job->saving;
   saving.under_way = false;
   saving.durable = true;
+  ++tally_.checkpoints;
   for (std::size_t i = 0; i < saving.publishing; ++i)
     Say(Report::kInfo, *job,
         "the result of stage '" + job->spec.stages(static_cast<int>(saving.unpublished[i].stage)).name() +
@@ -85,6 +86,7 @@ void Core::On(const PersistFailed& event) {
   if (job == nullptr || !job->saving.under_way || job->saving.number != event.number) return;
   job->saving.under_way = false;
   job->saving.publishing = 0;
+  ++tally_.checkpoint_failures;
   ledger_.Release(job->holds.saving);
   const std::string why = "cannot save: " + event.reason;
   Say(Report::kWarning, *job, why);

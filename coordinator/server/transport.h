@@ -6,6 +6,7 @@
 
 #include "schema/wire/codec.h"
 #include "schema/wire/refusal.h"
+#include "schema/wire/socket.h"
 
 namespace cairn::coordinator {
 
@@ -33,6 +34,7 @@ class Transport {
   virtual void Drop(const std::string& peer) = 0;
   // What was turned away before it could say anything, since the last call.
   virtual std::vector<wire::Refusal> TakeRefusals() = 0;
+  virtual wire::Traffic TotalTraffic() const = 0;
   // From any thread.
   virtual void Wake() = 0;
 };

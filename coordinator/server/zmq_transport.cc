@@ -34,6 +34,7 @@ class ZmqTransport : public Transport {
   std::size_t Unsent(const std::string& peer) const override { return socket_.Unsent(peer); }
   void Drop(const std::string& peer) override { socket_.Drop(peer); }
   std::vector<wire::Refusal> TakeRefusals() override { return socket_.TakeRefusals(); }
+  wire::Traffic TotalTraffic() const override { return socket_.traffic(); }
   void Wake() override { wakeup_.Signal(); }
 
  private:

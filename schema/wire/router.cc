@@ -89,6 +89,7 @@ RouterSocket::~RouterSocket() = default;
 
 const std::string& RouterSocket::endpoint() const { return impl_->endpoint; }
 std::size_t RouterSocket::connections() const { return impl_->authenticator->connections(); }
+Traffic RouterSocket::traffic() const { return impl_->traffic; }
 std::vector<Refusal> RouterSocket::TakeRefusals() { return impl_->authenticator->TakeRefusals(); }
 void RouterSocket::Drop(const std::string& peer) { impl_->Drop(peer); }
 
@@ -147,6 +148,7 @@ std::optional<Received> RouterSocket::TryReceive() {
     if (frames.empty()) return std::nullopt;
     const std::size_t bytes = std::accumulate(frames.begin(), frames.end(), std::size_t{0},
                                               [](std::size_t sum, const auto& f) { return sum + f.size(); });
+    impl_->traffic.bytes_in += bytes - frames[0].size();
     const zmq::message_t& last = frames.back();
     const bool place = impl_->authenticator->TellTaken(Descriptor(last), Handshake(last), UserId(last), bytes,
                                                        frames.size());
@@ -161,10 +163,13 @@ std::optional<Received> RouterSocket::TryReceive() {
 Status RouterSocket::Send(const std::string& peer, Message message) {
   if (impl_->dropped.contains(peer)) return {Code::kNotFound, "this peer was dropped"};
   Frames frames = Encode(std::move(message));
+  const std::size_t bytes = BytesIn(frames);
   const UnsentBytes unsent = impl_->UnsentTo(peer);
-  if (*unsent > 0 && *unsent + BytesIn(frames) > impl_->options.connections.unsent_bytes)
+  if (*unsent > 0 && *unsent + bytes > impl_->options.connections.unsent_bytes)
     return {Code::kBusy, "the peer has not read what was sent before"};
-  return SendFrames(impl_->socket, &peer, std::move(frames), unsent);
+  Status sent = SendFrames(impl_->socket, &peer, std::move(frames), unsent);
+  if (sent.ok()) impl_->traffic.bytes_out += bytes;
+  return sent;
 }
 
 std::size_t RouterSocket::Unsent(const std::string& peer) const {

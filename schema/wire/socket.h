@@ -46,6 +46,11 @@ struct Received {
   Message message;
 };
 
+// Of whole messages, without what the transport and its encryption add.
+struct Traffic {
+  std::uint64_t bytes_in = 0, bytes_out = 0;
+};
+
 class RouterSocket {
  public:
   // kRefused by CheckEndpoint; kBusy: the address is in use; what ReadAllowList says. A context holds at most
@@ -69,6 +74,7 @@ class RouterSocket {
   // What was turned away at the door since the last call, by kind. Messages are refused by TryReceive.
   std::vector<Refusal> TakeRefusals();
   std::size_t connections() const;
+  Traffic traffic() const;  // since it was bound
 
   struct Impl;
 

@@ -20,6 +20,7 @@ struct RouterSocket::Impl {
   SocketOptions options;
   zmq::socket_t socket;
   std::string endpoint;
+  Traffic traffic;
   std::set<std::string> dropped;                        // peers whose messages are thrown away …
   std::deque<std::string> drop_order;                   // … of which only the latest are remembered
   std::unordered_map<std::string, int> descriptors;     // by peer, as its last message had it

@@ -31,6 +31,8 @@ TEST(Socket, MessagesAndBlobsGoBothWays) {
     const std::optional<Received> down = AwaitMessage(link.dealer);
     ASSERT_TRUE(down && down->status.ok());
     EXPECT_EQ(down->message.blobs[0].blob->fields(), BlobMessage(doubles).blobs[0].blob->fields());
+    EXPECT_GT(link.router.traffic().bytes_in, doubles * sizeof(double));
+    EXPECT_EQ(link.router.traffic().bytes_out, link.router.traffic().bytes_in) << "the same went back";
   }
 }
 

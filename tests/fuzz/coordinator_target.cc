@@ -39,6 +39,7 @@ class Peers : public coordinator::Transport {
   std::size_t Unsent(const std::string&) const override { return 0; }
   void Drop(const std::string& peer) override { gone_.insert(peer); }
   std::vector<wire::Refusal> TakeRefusals() override { return {}; }
+  wire::Traffic TotalTraffic() const override { return {}; }
   void Wake() override {}
 
   void Come(const std::string& peer, Status status, wire::Message message) {

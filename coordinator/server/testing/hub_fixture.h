@@ -93,6 +93,7 @@ class FakeTransport : public Transport {
   }
   void Drop(const std::string& peer) override { dropped.insert(peer); }
   std::vector<wire::Refusal> TakeRefusals() override { return std::exchange(door, {}); }
+  wire::Traffic TotalTraffic() const override { return {}; }
   void Wake() override {}
 
  private:
