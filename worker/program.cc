@@ -183,7 +183,11 @@ int Run(const Arguments& a, const PipelineFactory& factory) {
   g_transport = transport.value().get();
   g_may_drain = a.drain_s > 0;
   CatchSignals();
+  ServiceManager manager;
+  options.manager = &manager;
+  manager.Ready();  // whether there is a coordinator is for the log to say: it waits for one
   const int code = RunWorker(*transport.value(), factory, options, g_stop);
+  manager.Stopping();
   g_transport = nullptr;
   return code;
 }

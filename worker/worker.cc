@@ -54,6 +54,7 @@ int RunWorker(Transport& transport, const PipelineFactory& factory, const Worker
       session.Leave(options.drain_s, now_s());
     for (const Event& event : transport.Poll(session.WaitSeconds(now_s()))) session.Handle(event, now_s());
     session.Work(now_s());
+    if (options.manager != nullptr) options.manager->Alive();
   }
   if (!session.exit_code()) session.SendLeave();
   const int code = session.exit_code().value_or(kExitDone);

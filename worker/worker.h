@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 
+#include "schema/service_manager.h"
 #include "worker/executor.h"
 #include "worker/session.h"
 #include "worker/transport.h"
@@ -21,6 +22,7 @@ struct WorkerOptions {
   // Where `drain` comes true it finishes what it runs, for at most drain_s, and then ends.
   const std::atomic<bool>* drain = nullptr;
   double drain_s = 0;
+  ServiceManager* manager = nullptr;  // is told that it is alive; none: nobody is
 };
 
 // Works until `stop` (call transport.Wake() after setting it) or until the coordinator ends it; returns the

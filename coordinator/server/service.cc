@@ -13,6 +13,7 @@
 #include "coordinator/store/recovery.h"
 #include "schema/build_info.h"
 #include "schema/numerics.h"
+#include "schema/service_manager.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -48,6 +49,16 @@ std::vector<std::filesystem::path> ResultFilesIn(const std::filesystem::path& fo
   return files;
 }
 
+void Turn(Server& server, const std::atomic<bool>& stop) {
+  ServiceManager manager;
+  manager.Ready();
+  while (!stop) {
+    server.Step(kStep_s);
+    manager.Alive();
+  }
+  manager.Stopping();
+}
+
 }  // namespace
 
 Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomic<bool>& stop) {
@@ -64,7 +75,6 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   if (!transport.ok()) return transport.status();
   Result<JobTable> table = OpenJobTable(folder.value(), log);
   if (!table.ok()) return table.status();
-
   ServerOptions server_options;
   FixNumericsOfThread();
   server_options.core.build = ThisBuild();
@@ -96,7 +106,7 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
     return {Code::kIo, error.what()};
   }
   log(Severity::kInfo, "listening on " + options.listen + ", store " + options.store_dir);
-  while (!stop) server->Step(kStep_s);
+  Turn(*server, stop);
   if (!server->Shut(kPatience_s)) log(Severity::kWarning, "ended before the last rounds were saved");
   return Status::Ok();
 }

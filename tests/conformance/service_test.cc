@@ -12,6 +12,7 @@
 #include "coordinator/client.h"
 #include "pipelines/testing/in_process.h"
 #include "schema/numerics.h"
+#include "schema/service_manager_testing.h"
 #include "schema/wire/testing/private_folder.h"
 #include "schema/wire/testing/raw_peer.h"
 #include "tests/conformance/cases.h"
@@ -74,6 +75,36 @@ class TcpService : public ::testing::Test {
   std::mutex mutex_;
   std::string log_;
 };
+
+TEST(Service, TellsItsServiceManagerThatItIsReadyThatItLivesAndThatItEnds) {
+  const wire::PrivateFolder folder;
+  FakeServiceManager manager;
+  ::setenv("WATCHDOG_USEC", "30000", 1);
+  coordinator::ServiceOptions options;
+  options.store_dir = (folder.path() / "store").string();
+  options.listen = folder.Ipc("s");
+  std::atomic<bool> stop{false}, listening{false};
+  std::string early = "nothing was listened to";
+  std::thread service([&] {
+    const auto log = [&](coordinator::Severity, const std::string& line) {
+      if (!line.starts_with("listening on")) return;
+      early = manager.Hear();
+      listening = true;
+    };
+    EXPECT_TRUE(coordinator::Serve(options, log, stop).ok());
+  });
+  while (!listening) ::usleep(1000);
+  EXPECT_EQ(early, "") << "the store was not read yet";
+  std::vector<std::string> heard;
+  while (heard.size() < 3)
+    if (const std::string what = manager.Hear(); !what.empty()) heard.push_back(what);
+  stop = true;
+  service.join();
+  for (std::string what; !(what = manager.Hear()).empty();) heard.push_back(what);
+  EXPECT_EQ(heard[0], "READY=1");
+  EXPECT_EQ(heard[1], "WATCHDOG=1");
+  EXPECT_EQ(heard.back(), "STOPPING=1");
+}
 
 // Waits for the end of a job by asking.
 wire::JobInfo Await(Client& client, const std::string& id) {

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "schema/numerics.h"
+#include "schema/service_manager_testing.h"
 #include "schema/wire/poller.h"
 #include "schema/wire/socket.h"
 #include "schema/wire/testing/private_folder.h"
@@ -178,6 +179,21 @@ TEST_F(WorkerProcess, BadUsageExitsWithTwoAndAReason) {
     EXPECT_EQ(Process(arguments, Output()).Wait(), 2) << expected;
     EXPECT_NE(OutputText().find(expected), std::string::npos) << OutputText();
   }
+}
+
+TEST_F(WorkerProcess, TellsItsServiceManagerThatItIsReadyThatItLivesAndThatItEnds) {
+  FakeServiceManager manager;
+  ::setenv("WATCHDOG_USEC", "30000", 1);
+  Process process(Arguments(), Output());
+  const wire::Received hello = Receive();
+  EXPECT_EQ(manager.Hear(), "READY=1") << "before it says Hello: whoever waits need not wait for that";
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (manager.Hear() != "WATCHDOG=1" && std::chrono::steady_clock::now() < end) ::usleep(1000);
+  ::kill(process.pid(), SIGTERM);
+  EXPECT_EQ(process.Wait(), 0);
+  std::string last;
+  for (std::string heard; !(heard = manager.Hear()).empty();) last = heard;
+  EXPECT_EQ(last, "STOPPING=1");
 }
 
 TEST_F(WorkerProcess, LogsAreJsonLinesWhereAskedFor) {
