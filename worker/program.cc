@@ -87,7 +87,10 @@ void Declare(cli::Command app, Arguments& a) {
       .ShowDefault();
   app.Add("--key", a.key_file, "this worker's key pair (tcp)");
   app.Add("--server-key", a.server_key_file, "the coordinator's public key (tcp)");
-  app.AddFlag("--log-json", a.log_json, "log in JSON lines");
+  app.AddTaking<std::string>(
+         "--log-format", [&a](const std::string& format) { a.log_json = format == "json"; },
+         "of the log on stderr: text, or json, an object a line")
+      .OneOf({"text", "json"});
   app.AddFlag("--die-with-parent", a.die_with_parent, "end with the process that started this one");
   app.Add("--inputs-fd", a.inputs_fd,
           "descriptor of memory with the run's inputs, which the process that started this one shares "
@@ -100,7 +103,7 @@ std::string JsonLine(Severity severity, const std::string& line) {
   return nlohmann::json{{"level", kNames[static_cast<std::size_t>(severity)]},
                         {"pid", ::getpid()},
                         {"program", "cairn-worker"},
-                        {"text", line}}
+                        {"message", line}}
       .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 

@@ -10,6 +10,7 @@
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/renamed.h"
 #include "coordinator/cli/common/suggest.h"
+#include "coordinator/cli/output/console.h"
 #include "coordinator/cli/output/output.h"
 #include "schema/process_limits.h"
 #include "schema/store/atomic_file.h"
@@ -115,21 +116,25 @@ void CheckArgumentBytes(const CLI::App& command, int argc, char** argv) {
 }
 
 int RunCaught(const Invocation& call) {
+  const auto complain = [&call](const std::string& problem) {
+    if (!call.log_json) return Complain(problem);
+    Console(call).Log(Console::Level::kError, problem);
+  };
   try {
     Check(PrepareProcess({}));
     return call.run();
   } catch (const InputError& error) {
-    Complain(error.what());
+    complain(error.what());
     return kExitBadInput;
   } catch (const std::filesystem::filesystem_error& error) {
     // A name that no file can have, a folder that nobody may look into.
     const Status status = SystemFailure(error.path1(), "cannot be used", error.code().value());
-    Complain(status.message());
+    complain(status.message());
     if (!IsTheWorldsFault(status)) return kExitBadInput;
   } catch (const std::bad_alloc&) {
-    Complain("out of memory");
+    complain("out of memory");
   } catch (const std::exception& error) {
-    Complain(error.what());
+    complain(error.what());
   }
   return kExitFailed;
 }
@@ -147,7 +152,10 @@ int ParseAndRun(const Program& program, int argc, char** argv) {
       "Example:\n  " +
       program.example);
   Invocation call;
-  app.add_flag("--log-json", call.log_json, "Logs as JSON lines on stderr");
+  app.add_option_function<std::string>(
+         "--log-format", [&call](const std::string& format) { call.log_json = format == "json"; },
+         "Of logs on stderr: text, or json, an object a line")
+      ->check(CLI::IsMember({"text", "json"}));
   app.add_flag("-v,--verbose", call.verbose, "Say more about what happens");
   program.add_commands(Command(&app), call);
   try {

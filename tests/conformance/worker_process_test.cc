@@ -197,11 +197,12 @@ TEST_F(WorkerProcess, TellsItsServiceManagerThatItIsReadyThatItLivesAndThatItEnd
 }
 
 TEST_F(WorkerProcess, LogsAreJsonLinesWhereAskedFor) {
-  EXPECT_EQ(Process({"--connect", "nowhere", "--log-json"}, Output()).Wait(), 2);
+  EXPECT_EQ(Process({"--connect", "nowhere", "--log-format", "json"}, Output()).Wait(), 2);
   const nlohmann::json line = nlohmann::json::parse(OutputText());
   EXPECT_EQ(line["time"].get<std::string>().substr(0, 2), "20");
   EXPECT_EQ(line["level"], "error");
   EXPECT_EQ(line["program"], "cairn-worker");
+  EXPECT_NE(line["message"].get<std::string>().find("nowhere"), std::string::npos) << line;
 }
 
 }  // namespace

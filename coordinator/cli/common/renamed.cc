@@ -20,6 +20,7 @@ constexpr Renamed kRenamed[] = {
     {"local_map", "warm_up_sweeps", "warm_up_scans"},
     {"local_map", "way_sd", "along_sd"},
     {"localization", "way_m", "travelled_m"},
+    {"", "--log-json", "--log-format=json"},
     {"", "--press-m", "--contact-m"},
     {"--sensor", "press", "contact"},
 };

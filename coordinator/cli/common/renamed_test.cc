@@ -74,6 +74,7 @@ TEST(ArgumentNow, KnowsFlagsAndTheWordsThatTheyTake) {
   testing::internal::CaptureStderr();
   EXPECT_EQ(ArgumentNow("out.h5", "--press-m"), "--contact-m");
   EXPECT_EQ(ArgumentNow("out.h5", "--press-m=0.3"), "--contact-m=0.3");
+  EXPECT_EQ(ArgumentNow("coordinator", "--log-json"), "--log-format=json");
   EXPECT_EQ(ArgumentNow("--sensor", "press"), "contact");
   EXPECT_EQ(ArgumentNow("out.h5", "--sensor=press"), "--sensor=contact");
   EXPECT_NE(testing::internal::GetCapturedStderr().find("'--press-m' is called '--contact-m' now"),
