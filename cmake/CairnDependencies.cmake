@@ -13,6 +13,7 @@ find_package(SQLite3 REQUIRED)
 
 pkg_check_modules(CAIRN_ZMQ REQUIRED IMPORTED_TARGET libzmq)
 pkg_check_modules(CAIRN_XXHASH REQUIRED IMPORTED_TARGET libxxhash)
+pkg_check_modules(CAIRN_MICROHTTPD REQUIRED IMPORTED_TARGET libmicrohttpd)
 # Debian calls the serial build so; what it calls hdf5 may be one for MPI.
 pkg_search_module(CAIRN_HDF5 REQUIRED IMPORTED_TARGET hdf5-serial hdf5)
 

@@ -53,7 +53,7 @@ set(CAIRN_LINKS_worker
 set(CAIRN_LINKS_coordinator "schema/wire")
 set(CAIRN_LINKS_coordinator_core "schema")
 set(CAIRN_LINKS_coordinator_store "schema(/.*)?|coordinator/core|SQLite::.*|Threads::Threads")
-set(CAIRN_LINKS_coordinator_server "schema(/.*)?|coordinator/(core|store)")
+set(CAIRN_LINKS_coordinator_server "schema(/.*)?|coordinator/(core|store)|PkgConfig::CAIRN_MICROHTTPD")
 set(CAIRN_LINKS_coordinator_local "schema(/.*)?|coordinator/(core|store|server)|Threads::Threads")
 set(CAIRN_LINKS_coordinator_scale "schema")
 set(CAIRN_LINKS_coordinator_scale_engines "schema|coordinator/scale")

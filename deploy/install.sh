@@ -16,6 +16,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 build_packages=(
   g++ cmake ninja-build pkg-config protobuf-compiler
   libprotobuf-dev libeigen3-dev libzmq3-dev cppzmq-dev libhdf5-dev libsqlite3-dev libxxhash-dev
+  libmicrohttpd-dev
   libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
   libfmt-dev libspdlog-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev zlib1g-dev libgtest-dev
   patch # Simulation.PlantedBugsApply
@@ -26,6 +27,7 @@ dev_packages=(
   liboctomap-dev python3-yaml python3-pil # read back what is exported
   iproute2 nftables # tests/faults: networks that fail
   qemu-user # EndToEnd.cpu: a CPU below the build's target
+  prometheus # EndToEnd.monitoring: promtool checks the rules and the page, a real one scrapes it
   lintian zsh # EndToEnd.package: Debian's checker, with dpkg-dev and man-db; completion
 )
 

@@ -13,7 +13,6 @@ namespace cairn::coordinator {
 namespace {
 
 constexpr double kTick_s = 0.1;
-constexpr double kServedEvery_s = 60;       // so much of a job's age a crash may lose
 constexpr std::size_t kLineBytes = 16'384;  // of the log
 
 }  // namespace
@@ -65,6 +64,7 @@ void Server::Restore() {
 
 void Server::Step(double timeout_s) {
   std::vector<Incoming> came = transport_.Poll(timeout_s);
+  const double began_s = Now();
   // Looked at after the messages came: whoever was taken off the list before he sent one is refused it.
   if (access_control_.Refresh()) EndRevoked();
   for (Incoming& incoming : came) Receive(incoming);
@@ -75,7 +75,7 @@ void Server::Step(double timeout_s) {
     Handle(Tick{});
     Carry(uploads_.Tick(now_s));
     ProbeSilent(now_s);
-    if (now_s - served_written_s_ >= kServedEvery_s) WriteServed();
+    ProbeStore(now_s);
     // A disk that is slow, or hangs, gets no more to do; what waits is bounded.
     if (writer_.Finished(log_ticket_)) WriteLog();
   }
@@ -83,6 +83,7 @@ void Server::Step(double timeout_s) {
   WriteBlobsWork spill;
   for (const Hash& hash : blobs_.TakeSpills()) spill.blobs.push_back({hash, blobs_.Get(hash)});
   if (!spill.blobs.empty()) writer_.Add(std::move(spill));
+  turns_.Add(Now() - began_s);
 }
 
 bool Server::Shut(double patience_s) {
@@ -189,7 +190,11 @@ void Server::Take(const std::string& peer, const std::string& user, wire::Envelo
   }
 }
 
-void Server::TakeDurable(const std::string& job, std::uint64_t number) { Handle(PersistDone{job, number}); }
+void Server::TakeDurable(const std::string& job, std::uint64_t number) {
+  last_checkpoint_utc_s_ =
+      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  Handle(PersistDone{job, number});
+}
 
 Status Server::ForUsers(const Status& status) const {
   const std::string store = folder_.dir().string() + "/";
@@ -207,6 +212,7 @@ Status Server::ForUsers(const Status& status) const {
 void Server::TakeDiskDone() {
   for (DiskDone& done : writer_.TakeDone()) {
     done.status = ForUsers(done.status);
+    if (done.ticket == served_ticket_) TakeProbe(done.status);
     blobs_.MarkDurable(done.written, done.ticket);
     if (done.upload != 0) {
       TakeUploadDone(done);
@@ -232,6 +238,7 @@ void Server::TakeDiskDone() {
       TakeDurable(done.job, done.number);
     else
       Handle(PersistFailed{done.job, done.number, problem});
+    probe_soon_ |= !done.status.ok();
   }
 }
 

@@ -15,6 +15,7 @@
 #include "coordinator/core/core.h"
 #include "coordinator/core/uploads.h"
 #include "coordinator/server/access_control.h"
+#include "coordinator/server/metrics.h"
 #include "coordinator/server/refusals.h"
 #include "coordinator/server/transport.h"
 #include "coordinator/store/blob_store.h"
@@ -67,6 +68,9 @@ class Server {
   }  // why a worker was refused; empty: none was
   const Refusals& refusals() const { return refusals_; }
   const Uploads& uploads() const { return uploads_; }
+  Metrics TakeMetrics() const;  // server_watch.cc
+  // Why the store cannot be written; empty: it can, as far as is known.
+  const std::string& store_trouble() const { return store_trouble_; }
 
  private:
   static double Now();  // monotonic
@@ -90,6 +94,12 @@ class Server {
   void Do(const Report& report);
   void Do(const Refused& refused);
   void WriteServed();
+
+  // server_watch.cc
+  void ProbeStore(double now_s);
+  void TakeProbe(const Status& status);
+  std::string Warning() const;
+
   // A line for the service's log and, where it names a job, for that job's.
   void Note(Severity severity, const std::string& job, const std::string& text);
   void WriteLog();
@@ -144,6 +154,11 @@ class Server {
   Uploads uploads_;
   std::set<std::string> gone_uploaders_;  // clients that a message could not be sent to
   double ticked_s_ = 0, served_written_s_ = 0;
+  std::uint64_t served_ticket_ = 0;  // of the last WriteServed, by which the store is probed
+  bool probe_soon_ = false;
+  std::string store_trouble_;
+  double last_checkpoint_utc_s_ = 0;
+  Histogram turns_;
   std::set<std::string> gone_;  // peers that a message could not be sent to
   std::string last_refusal_;
   AccessControl access_control_;

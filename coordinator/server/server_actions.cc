@@ -82,7 +82,7 @@ void Server::Do(const Answer& answer) {
 
 void Server::WriteServed() {
   served_written_s_ = Now();
-  writer_.Add(WriteServedWork{core_.served_s()});
+  served_ticket_ = writer_.Add(WriteServedWork{core_.served_s()});
 }
 
 void Server::Do(const Refused& refused) { refusals_.Add(refused.refusal, Now()); }

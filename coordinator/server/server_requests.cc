@@ -177,7 +177,8 @@ void Server::Serve(const std::string& peer, const wire::JobQuery& query) {
     *reply.envelope.mutable_reply()->add_jobs() = *core_.Find(query.job());
   for (const auto& [kind, count] : refusals_.Counts())
     (*reply.envelope.mutable_reply()->mutable_refused())[kind] = count;
-  reply.envelope.mutable_reply()->set_warning(access_control_.Warning());
+  reply.envelope.mutable_reply()->set_warning(Warning());
+  reply.envelope.mutable_reply()->set_store_fails(!store_trouble_.empty());
   reply.envelope.mutable_reply()->set_store_bytes(use_.bytes());
   reply.envelope.mutable_reply()->set_store_limit_bytes(use_.limit_bytes());
   if (query.action() == "results") AddResults(query.job(), reply);

@@ -2,12 +2,14 @@
 
 #include <sys/resource.h>
 
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "coordinator/server/address_lock.h"
+#include "coordinator/server/metrics_port.h"
 #include "coordinator/server/server.h"
 #include "coordinator/server/zmq_transport.h"
 #include "coordinator/store/recovery.h"
@@ -19,6 +21,7 @@ namespace cairn::coordinator {
 namespace {
 
 constexpr double kStep_s = 0.1;
+constexpr std::chrono::seconds kMetricsEvery{1};
 
 std::filesystem::path AllowListIn(const std::string& keys_dir) {
   return std::filesystem::path(keys_dir) / "allowed";
@@ -49,12 +52,16 @@ std::vector<std::filesystem::path> ResultFilesIn(const std::filesystem::path& fo
   return files;
 }
 
-void Turn(Server& server, const std::atomic<bool>& stop) {
+void Turn(Server& server, MetricsPort* metrics, const std::atomic<bool>& stop) {
   ServiceManager manager;
   manager.Ready();
+  auto publish_at = std::chrono::steady_clock::now();
   while (!stop) {
     server.Step(kStep_s);
     manager.Alive();
+    if (metrics == nullptr || std::chrono::steady_clock::now() < publish_at) continue;
+    metrics->Publish(server.TakeMetrics());
+    publish_at = std::chrono::steady_clock::now() + kMetricsEvery;
   }
   manager.Stopping();
 }
@@ -75,6 +82,14 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   if (!transport.ok()) return transport.status();
   Result<JobTable> table = OpenJobTable(folder.value(), log);
   if (!table.ok()) return table.status();
+  std::unique_ptr<MetricsPort> metrics;
+  if (!options.metrics.empty()) {
+    Result<std::unique_ptr<MetricsPort>> port = MetricsPort::Listen(options.metrics);
+    if (!port.ok()) return port.status();
+    metrics = std::move(port).value();
+    log(Severity::kInfo, "metrics at http://" + metrics->address() + "/metrics");
+  }
+
   ServerOptions server_options;
   FixNumericsOfThread();
   server_options.core.build = ThisBuild();
@@ -106,7 +121,7 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
     return {Code::kIo, error.what()};
   }
   log(Severity::kInfo, "listening on " + options.listen + ", store " + options.store_dir);
-  Turn(*server, stop);
+  Turn(*server, metrics.get(), stop);
   if (!server->Shut(kPatience_s)) log(Severity::kWarning, "ended before the last rounds were saved");
   return Status::Ok();
 }

@@ -32,11 +32,12 @@ struct ServiceOptions {
   double task_time_s = 0;                   // of a task whose job says nothing; 0: no limit
   std::uint64_t task_memory_mb = 0;         // the same
   std::uint64_t memory_bytes = 4ull << 30;  // blobs beyond this are kept on disk only
+  std::string metrics;                      // where (metrics_port.h) it shows its metrics; empty: nowhere
 };
 
 // Serves until `stop`, then writes checkpoints, sends the workers Leave and returns within 2 s; unfinished
-// jobs go on with the next start. kBusy: another coordinator has DIR, or the address. kRefused: tcp without
-// keys.
+// jobs go on with the next start. Tells the service manager, where one asks, how it stands. kBusy: another
+// coordinator has DIR, or the address. kRefused: tcp without keys.
 //
 // What clients ask (wire.proto) and are answered:
 //   Have: Reply.missing, the blobs that must be sent along.

@@ -112,7 +112,8 @@ void DiskWriter::Loop() {
 std::optional<DiskDone> DiskWriter::Do(Item& item) {
   DiskDone done = std::visit([this](const auto& work) { return Do(work); }, item.work);
   done.ticket = item.ticket;
-  const bool silent = done.job.empty() && done.asker.empty() && done.written.empty() && done.upload == 0;
+  const bool silent = done.job.empty() && done.asker.empty() && done.written.empty() && done.upload == 0 &&
+                      !std::holds_alternative<WriteServedWork>(item.work);
   if (silent && done.status.ok()) return std::nullopt;
   return done;
 }

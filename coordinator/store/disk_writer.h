@@ -70,9 +70,9 @@ using DiskWork =
     std::variant<WriteCheckpointWork, WriteBlobsWork, RemoveBlobsWork, ForgetWork, WriteServedWork,
                  WriteLogWork, ReadLogWork, CleanWork, OpenUpload, WritePiece, CloseUpload>;
 
-// What came of a checkpoint, of blobs, of a piece or the end of an upload, or of a question; of rows, log
-// lines, the time served and the beginning of an upload only a failure is told. (A removal that fails is made
-// up for by the next start.)
+// What came of a checkpoint, of blobs, of a piece or the end of an upload, of a question, or of the time
+// served; of rows, log lines and the beginning of an upload only a failure is told. (A removal that fails is
+// made up for by the next start.)
 struct DiskDone {
   std::uint64_t ticket = 0;
   std::string job;           // empty: neither a checkpoint nor a job that went

@@ -21,6 +21,7 @@ namespace cairn::wire {
 namespace {
 
 std::atomic<std::size_t> g_spare{0};
+std::atomic<int> g_left_alone{-1};
 constexpr unsigned kPause_us = 10'000;
 
 // The system gives the lowest number that is free: one this high says that the others are taken.
@@ -178,6 +179,8 @@ bool Note(int fd, HandshakeBytes PendingHandshake::* direction, std::span<const 
 
 void SpareDescriptors(std::size_t spare) { g_spare = spare; }
 
+void LeaveAlone(int listener) { g_left_alone = listener; }
+
 void LimitUnread(std::uint64_t bytes) { g_most_unread = bytes; }
 
 void NoteTaken(int fd, std::uint64_t bytes) {
@@ -194,12 +197,12 @@ bool TakeEndOf(int fd) {
 }  // namespace cairn::wire
 
 // In the place of the C library's, for ZeroMQ calls them by these names. No other code of a process of ours
-// connects a stream or accepts one by accept4. (ZeroMQ reports ENFILE as a connection that could not be
-// accepted, and goes on, whatever the transport.)
+// connects a stream, or accepts one by accept4 at a socket that is not left alone. (ZeroMQ reports ENFILE as
+// a connection that could not be accepted, and goes on, whatever the transport.)
 extern "C" int accept4(int listener, sockaddr* address, socklen_t* length, int flags) {
   const int fd = static_cast<int>(::syscall(SYS_accept4, listener, address, length, flags));
   if (fd >= 0 && !cairn::wire::IsSpare(fd)) {
-    cairn::wire::Watch(fd);
+    if (listener != cairn::wire::g_left_alone) cairn::wire::Watch(fd);
     return fd;
   }
   if (fd >= 0) {

@@ -1,5 +1,5 @@
 // The C library's calls by which ZeroMQ makes connections and moves their bytes, in our place: what it cannot
-// be told to limit is limited here. For this folder alone.
+// be told to limit is limited here. For this folder alone, but for LeaveAlone.
 #pragma once
 
 #include <cstddef>
@@ -12,6 +12,10 @@ namespace cairn::wire {
 // saved, its thread spins over a TCP connection that it cannot accept, and aborts the process over one of
 // ipc.
 void SpareDescriptors(std::size_t spare);
+
+// What is accepted by this socket is none of ZeroMQ's: but for its descriptor nothing of it is limited. One
+// socket at a time; -1: none.
+void LeaveAlone(int listener);
 
 // What may come over a connection, accepted or made, before both sides have shaken hands: a greeting of 64
 // bytes and two commands, of 202 and at most 700 bytes (rfc.zeromq.org/spec/26). ZeroMQ 4.3.4 would take a

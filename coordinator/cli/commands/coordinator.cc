@@ -17,7 +17,7 @@ struct CoordinatorArguments {
 };
 
 int Serve(const CoordinatorArguments& options, const Invocation& call) {
-  Check(PrepareProcess({.files = 48, .file_bytes = 64 << 20, .memory_bytes = 512 << 20, .threads = 8}));
+  Check(PrepareProcess({.files = 48, .file_bytes = 64 << 20, .memory_bytes = 512 << 20, .threads = 9}));
   coordinator::ServiceOptions service = options.service;
   if (service.store_dir.empty()) service.store_dir = HomeFolder() + "/store";
   if (service.listen.empty()) service.listen = DefaultEndpoint();
@@ -90,6 +90,9 @@ void AddCoordinator(Command app, Invocation& call) {
            "Limit on the memory that a task may take, where the job file says nothing (0: none)")
       .Within(std::uint64_t{0}, coordinator::kMostTaskMemory_mb)
       .ShowDefault();
+  command.Add("--metrics", service.metrics,
+              "Show metrics for Prometheus, /healthz and /readyz over HTTP at ADDRESS:PORT, or PORT of this "
+              "machine alone (nowhere)");
 }
 
 }  // namespace cairn::cli

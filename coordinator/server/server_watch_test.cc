@@ -1,0 +1,49 @@
+// What a server says of itself.
+#include <filesystem>
+
+#include "coordinator/server/testing/hub_fixture.h"
+
+namespace cairn::coordinator {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(ServerWatch, MetricsCountWhatAJobDid) {
+  ServerFixture fixture;
+  EXPECT_EQ(fixture.server->TakeMetrics().last_checkpoint_utc_s, 0);
+  fixture.transport.ComeWorker("w");
+  fixture.Submit();
+  fixture.Until([&] { return fixture.State() == "done"; });
+  Metrics metrics = fixture.server->TakeMetrics();
+  EXPECT_EQ(metrics.census.jobs["done"], 1u);
+  EXPECT_EQ(metrics.census.workers["idle"], 1u);
+  EXPECT_EQ(metrics.tally.tasks_done, 3u * 2 + 1 + 3) << "of three rounds, their START, their ADVANCEs";
+  EXPECT_GT(metrics.tally.checkpoints, 0u);
+  EXPECT_GT(metrics.last_checkpoint_utc_s, 1.7e9);
+  EXPECT_GT(metrics.turns.sum_s, 0);
+  EXPECT_TRUE(metrics.store_writable);
+  fixture.transport.door = {{wire::RefusalKind::kKey, "a stranger", 3}};
+  fixture.server->Step(0);
+  EXPECT_EQ(fixture.server->TakeMetrics().refused["key"], 3u);
+}
+
+TEST(ServerWatch, WhereASaveFailsTheStoreIsProbedAndUsersAreToldUntilItCanBeWrittenAgain) {
+  ServerFixture fixture;
+  const fs::path store = fixture.temp.path() / "store", aside = fixture.temp.path() / "aside";
+  fs::rename(store, aside);
+  fixture.Submit();
+  fixture.Until([&] { return !fixture.server->store_trouble().empty(); });
+  EXPECT_FALSE(fixture.server->TakeMetrics().store_writable);
+  wire::Message query;
+  query.envelope.mutable_query();
+  const wire::Reply reply = fixture.Ask(query);
+  EXPECT_TRUE(reply.warning().starts_with("the store cannot be written: ")) << reply.warning();
+  EXPECT_TRUE(reply.store_fails());
+  fs::rename(aside, store);
+  fixture.Until([&] { return fixture.server->store_trouble().empty(); });
+  EXPECT_TRUE(fixture.server->TakeMetrics().store_writable);
+  EXPECT_FALSE(fixture.Ask(query).store_fails());
+}
+
+}  // namespace
+}  // namespace cairn::coordinator
