@@ -317,7 +317,8 @@ Result<JobList> Client::List() {
                  reply.workers(),
                  {reply.refused().begin(), reply.refused().end()},
                  {reply.store_bytes(), reply.store_limit_bytes()},
-                 reply.warning()};
+                 reply.warning(),
+                 reply.store_fails()};
 }
 
 Result<FleetFacts> Client::Fleet() { return AskOfWorkers("status", 0); }

@@ -36,6 +36,7 @@ struct JobList {
   std::map<std::string, std::uint64_t> refused;  // since the service began, by kind (schema/wire/refusal.h)
   StoreFacts store;
   std::string warning = {};  // what is wrong with the service; empty: nothing
+  bool store_fails = false;  // that is that its store cannot be written
 };
 
 struct FleetFacts {

@@ -15,6 +15,7 @@
 #include "coordinator/cli/output/console.h"
 #include "coordinator/cli/output/job_text.h"
 #include "coordinator/cli/output/pages.h"
+#include "coordinator/cli/output/service_check.h"
 #include "coordinator/cli/output/service_text.h"
 #include "schema/kinds/kind.h"
 #include "schema/store/atomic_file.h"
@@ -32,6 +33,7 @@ struct JobsArguments {
   std::string out;                // results
   std::string state, name;        // list, results: only those
   bool json = false;
+  bool check = false;  // status
   bool force = false;  // results
 };
 
@@ -59,7 +61,22 @@ int List(const JobsArguments& options, const Invocation&) {
   return kExitDone;
 }
 
+// A monitor reads the line and the exit code, whatever is wrong.
+int CheckStatus(const JobsArguments& options) {
+  ServiceVerdict verdict;
+  try {
+    coordinator::Client client = ConnectClient(options.client);
+    const coordinator::JobList list = Take(client.List());
+    verdict = CheckService(list, Take(client.Fleet()).workers);
+  } catch (const std::exception& error) {
+    verdict = Unanswered(error.what());
+  }
+  std::printf("%s\n", verdict.line.c_str());
+  return verdict.code;
+}
+
 int Status(const JobsArguments& options, const Invocation&) {
+  if (options.check) return CheckStatus(options);
   coordinator::Client client = ConnectClient(options.client);
   if (options.job.empty()) {
     const coordinator::JobList list = Take(client.List());
@@ -183,10 +200,18 @@ void AddJobs(Command app, Invocation& call) {
   command.Add("--name", options->name, "Only those whose name matches this pattern");
   command.AddFlag("--json", options->json, "As JSON");
 
-  options = AddClientCommand(app, call, "status", "How a job stands, or the service: jobs, workers, refusals",
-                             "cairn status\n  cairn status 1-museum --json", Status, &command);
-  command.Add("JOB", options->job, "Its id, as submit and list say it (the service as a whole)");
-  command.AddFlag("--json", options->json, "As JSON");
+  options = AddClientCommand(
+      app, call, "status", "How a job stands, or the service: jobs, workers, refusals",
+      "cairn status\n  cairn status 1-museum --json\n  cairn status --check || echo somebody should look",
+      Status, &command);
+  const Argument job =
+      command.Add("JOB", options->job, "Its id, as submit and list say it (the service as a whole)");
+  const Argument json = command.AddFlag("--json", options->json, "As JSON");
+  command
+      .AddFlag("--check", options->check,
+               "The service in a line, for monitors: exit code 0 fine, 1 warning, 2 critical")
+      .Excludes(job)
+      .Excludes(json);
 
   options = AddClientCommand(app, call, "results",
                              "Fetches the results of a job, a file a stage, with pictures and a page",
