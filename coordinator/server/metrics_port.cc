@@ -22,7 +22,6 @@ namespace cairn::coordinator {
 namespace {
 
 constexpr double kStale_s = 10;                // a loop that has left nothing for so long stands still
-constexpr unsigned kSilence_s = 10;            // then a connection goes
 constexpr std::size_t kRequestBytes = 16'384;  // of a request's head
 
 using Clock = std::chrono::steady_clock;
@@ -145,18 +144,19 @@ struct MetricsPort::Impl {
   }
 };
 
-Result<std::unique_ptr<MetricsPort>> MetricsPort::Listen(const std::string& address, unsigned connections) {
+Result<std::unique_ptr<MetricsPort>> MetricsPort::Listen(const std::string& address,
+                                                         const MetricsPortLimits& limits) {
   const Result<int> socket = Bind(address);
   if (!socket.ok()) return socket.status();
   auto impl = std::make_unique<Impl>();
   impl->address = NameOf(socket.value());
-  impl->connections = connections;
+  impl->connections = limits.connections;
   wire::LeaveAlone(socket.value());
   // Room for as many again that were told to go and have not yet.
   impl->daemon = MHD_start_daemon(
       MHD_USE_EPOLL_INTERNAL_THREAD, 0, nullptr, nullptr, &Impl::OnRequest, impl.get(),
-      MHD_OPTION_LISTEN_SOCKET, socket.value(), MHD_OPTION_CONNECTION_LIMIT, 2 * connections,
-      MHD_OPTION_CONNECTION_TIMEOUT, kSilence_s, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kRequestBytes,
+      MHD_OPTION_LISTEN_SOCKET, socket.value(), MHD_OPTION_CONNECTION_LIMIT, 2 * limits.connections,
+      MHD_OPTION_CONNECTION_TIMEOUT, limits.silent_s, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kRequestBytes,
       MHD_OPTION_NOTIFY_CONNECTION, &Impl::OnConnection, impl.get(), MHD_OPTION_END);
   if (impl->daemon == nullptr) {
     ::close(socket.value());

@@ -25,11 +25,17 @@ struct HttpAnswer {
 // `latest`: null where the event loop has not turned yet. `age_s`: for how long it is the latest.
 HttpAnswer AnswerTo(std::string_view path, const Metrics* latest, double age_s);
 
+struct MetricsPortLimits {
+  unsigned connections = 16;  // of more at a time the oldest goes
+  unsigned silent_s = 10;     // then a connection goes
+};
+
 class MetricsPort {
  public:
-  // `address`: PORT on loopback, HOST:PORT or [ADDRESS]:PORT; port 0: any that is free. Of more than
-  // `connections` at a time the oldest goes. kRefused: there is no such address. kBusy: it is in use.
-  static Result<std::unique_ptr<MetricsPort>> Listen(const std::string& address, unsigned connections = 16);
+  // `address`: PORT on loopback, HOST:PORT or [ADDRESS]:PORT; port 0: any that is free. kRefused: there is no
+  // such address. kBusy: it is in use.
+  static Result<std::unique_ptr<MetricsPort>> Listen(const std::string& address,
+                                                     const MetricsPortLimits& limits = {});
   ~MetricsPort();
   MetricsPort(const MetricsPort&) = delete;
   MetricsPort& operator=(const MetricsPort&) = delete;

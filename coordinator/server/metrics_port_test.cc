@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <array>
@@ -16,11 +17,13 @@ namespace {
 class HttpClient {
  public:
   explicit HttpClient(const MetricsPort& port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    const std::string where = port.address();
+    const std::string& where = port.address();
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(where.substr(where.rfind(':') + 1))));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const timeval patience{.tv_sec = 60, .tv_usec = 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
     EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
   }
   HttpClient(HttpClient&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
@@ -32,13 +35,15 @@ class HttpClient {
   bool Say(const std::string& text) const {
     return ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
   }
-  // All that comes until the other side closes, or breaks off.
+  // All that comes until the other side closes, or breaks off, which it must.
   std::string HearAll() const {
     std::string all;
+    errno = 0;
     std::array<char, 65536> bytes{};
     // Not recv: that of schema/wire, which takes this for a handshake of ZeroMQ's.
     for (ssize_t size = 0; (size = ::read(socket_, bytes.data(), bytes.size())) > 0;)
       all.append(bytes.data(), static_cast<std::size_t>(size));
+    EXPECT_NE(errno, EAGAIN) << "the connection stands";
     return all;
   }
 
@@ -60,8 +65,9 @@ void ExpectServes(const MetricsPort& port) {
   EXPECT_NE(answer.find("\ncairn_store_writable 1\n"), std::string::npos);
 }
 
-std::unique_ptr<MetricsPort> Listening(unsigned connections = 16) {
-  std::unique_ptr<MetricsPort> port = MetricsPort::Listen("0", connections).value();
+// Silence ends no connection here, unless a test is about that.
+std::unique_ptr<MetricsPort> Listening(unsigned silent_s = 3600) {
+  std::unique_ptr<MetricsPort> port = MetricsPort::Listen("0", {.silent_s = silent_s}).value();
   port->Publish({});
   return port;
 }
@@ -123,8 +129,9 @@ TEST(MetricsPort, AnythingButAGetOfWhatThereIsIsRefused) {
 
 TEST(MetricsPort, WhatIsNoHttpIsNotAnswered) {
   const std::unique_ptr<MetricsPort> port = Listening();
-  for (const char* bytes : {"GET\r\n\r\n", "GET /metrics\r\n\r\n", "GET /metrics HTTP/9.9\r\n\r\n",
-                            "GET /metrics HTTP/1.1\r\nno colon\r\n\r\n", "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"}) {
+  for (const char* bytes :
+       {"GET\r\n\r\n", "GET /metrics\r\n\r\n", "GET /metrics HTTP/9.9\r\n\r\n",
+        "GET /metrics HTTP/1.1\r\nno colon\r\n\r\n", "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"}) {
     const HttpClient client(*port);
     client.Say(bytes);
     EXPECT_EQ(client.HearAll().find("cairn_store"), std::string::npos) << bytes;
@@ -165,6 +172,12 @@ TEST(MetricsPort, ThousandThatNeverEndTheirRequestHoldUpNobodyAndTheOldestGo) {
   for (const char byte : std::string("GET /metrics HTTP/1.1\r\nHost: here\r\n\r\n"))
     ASSERT_TRUE(patient.Say(std::string(1, byte)));
   EXPECT_NE(patient.HearAll().find("\ncairn_store_writable 1\n"), std::string::npos);
+}
+
+TEST(MetricsPort, WhoSaysNothingIsNotWaitedForForEver) {
+  const std::unique_ptr<MetricsPort> port = Listening(1);
+  const HttpClient silent(*port);
+  EXPECT_EQ(silent.HearAll(), "");
 }
 
 TEST(MetricsPort, ThousandThatAskAndDoNotReadHoldUpNobody) {
