@@ -34,6 +34,7 @@ TEST(ServerWatch, WhereASaveFailsTheStoreIsProbedAndUsersAreToldUntilItCanBeWrit
   fixture.Submit();
   fixture.Until([&] { return !fixture.server->store_trouble().empty(); });
   EXPECT_FALSE(fixture.server->TakeMetrics().store_writable);
+  EXPECT_LT(fixture.server->core().served_s(), 60) << "sooner than it is probed anyway";
   wire::Message query;
   query.envelope.mutable_query();
   const wire::Reply reply = fixture.Ask(query);

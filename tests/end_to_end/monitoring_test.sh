@@ -14,7 +14,7 @@ answers() { get "$2" && head -n 1 answer | grep -q " $1 "; }
 shows() { get /metrics && grep -qx -- "$1" answer; }
 serve() {
   rm coordinator.log  # of the one before
-  cairn --log-format json coordinator --metrics 0 "$@" 2>coordinator.log &
+  cairn --log-format json coordinator --metrics 0 2>coordinator.log &
   coordinator=$!
   until_true 10 grep -q 'listening on' coordinator.log
   port=$(sed -n 's|.*http://127\.0\.0\.1:\([0-9]*\)/metrics.*|\1|p' coordinator.log)
