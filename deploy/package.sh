@@ -107,6 +107,7 @@ documents() {
   install -d "$doc/docs" "$share/lintian/overrides"
   install -m 644 README.md CITATION.cff deploy/package/debian/copyright "$doc"
   install -m 644 docs/*.md "$doc/docs"
+  install -D -m 644 -t "$doc/deploy/monitoring" deploy/monitoring/{rules.yml,dashboard.json}
   install -m 644 deploy/package/debian/lintian-overrides "$share/lintian/overrides/cairn"
   gzip -9n <CHANGELOG.md >"$doc/changelog.gz"
   gzip -9n >"$doc/changelog.Debian.gz" <<TEXT
