@@ -212,6 +212,7 @@ Status Server::ForUsers(const Status& status) const {
 void Server::TakeDiskDone() {
   for (DiskDone& done : writer_.TakeDone()) {
     done.status = ForUsers(done.status);
+    probe_soon_ |= !done.status.ok();
     if (done.ticket == served_ticket_) TakeProbe(done.status);
     blobs_.MarkDurable(done.written, done.ticket);
     if (done.upload != 0) {
@@ -238,7 +239,6 @@ void Server::TakeDiskDone() {
       TakeDurable(done.job, done.number);
     else
       Handle(PersistFailed{done.job, done.number, problem});
-    probe_soon_ |= !done.status.ok();
   }
 }
 
