@@ -124,6 +124,13 @@ kill -STOP "$coordinator"
 exits 1 cairn results "$monday" --out late
 grep -qE 'does not answer|no service listens' stderr || die "no word on a service that stands still: $(cat stderr)"
 kill -CONT "$coordinator"
+# By a pattern: those alone that can do it.
+refuses 'name the jobs by their ids, or say --name' cairn delete
+refuses 'there is no such job, or none that one can cancel' cairn cancel --name 'landmark_map-*'
+exits 0 cairn delete --name 'landmark_map-*' --state done
+says "^$monday is deleted"
+says "^$tuesday is deleted"
+[ "$(grep -c 'is deleted' stdout)" -eq 2 ] || die "others are deleted, too"
 kill -TERM "$coordinator"
 wait "$coordinator" || die "the coordinator did not end in good order"
 

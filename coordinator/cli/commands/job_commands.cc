@@ -1,7 +1,10 @@
 // What a job's owner tells it: pause, resume, cancel, retry, delete, priority.
 #include <cstdio>
+#include <map>
+#include <set>
 
 #include "coordinator/cli/commands/client_arguments.h"
+#include "coordinator/cli/commands/job_choice.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/output/job_text.h"
@@ -13,15 +16,41 @@ struct JobCommandsArguments {
   ClientArguments client;
   std::string action;
   std::vector<std::string> jobs;
+  JobChoice choice;  // those that are not named
   int priority = 0;
   bool json = false;
 };
+
+// The states in which a job may be told so.
+bool MayBeTold(const std::string& action, const std::string& state) {
+  static const std::map<std::string, std::set<std::string>> kStates = {
+      {"pause", {"queued", "running"}},
+      {"resume", {"paused"}},
+      {"cancel", {"queued", "running", "paused", "failed"}},
+      {"retry", {"failed"}},
+      {"delete", {"done", "failed", "cancelled"}},
+  };
+  return kStates.at(action).contains(state);
+}
+
+// By a pattern those alone that can do it: to cancel all of a fleet is no error where some are done.
+std::vector<std::string> JobsToTell(const JobCommandsArguments& options, coordinator::Client& client) {
+  const bool by_choice = !options.choice.name.empty() || !options.choice.state.empty();
+  if (by_choice == !options.jobs.empty())
+    throw InputError("name the jobs by their ids, or say --name PATTERN, --state STATE or both");
+  if (!by_choice) return options.jobs;
+  std::vector<std::string> ids;
+  for (const wire::JobInfo& job : Chosen(options.choice, Take(client.List()).jobs))
+    if (MayBeTold(options.action, job.state())) ids.push_back(job.id());
+  if (ids.empty()) throw InputError("there is no such job, or none that one can " + options.action);
+  return ids;
+}
 
 // All are told, whatever one of them answers; then the first refusal is the command's.
 int Tell(const JobCommandsArguments& options, const Invocation&) {
   coordinator::Client client = ConnectClient(options.client);
   cairn::Status refused;
-  for (const std::string& job : options.jobs) {
+  for (const std::string& job : JobsToTell(options, client)) {
     const Result<wire::JobInfo> info = client.Command(job, options.action, options.priority);
     if (!info.ok()) {
       if (refused.ok()) refused = info.status();
@@ -65,7 +94,10 @@ void AddJobCommands(Command app, Invocation& call) {
            OfJobs{"delete", "Forgets jobs that have ended, their results and logs", "cairn delete 1-museum"},
        }) {
     const auto options = AddTelling(app, call, of.name, of.summary, of.example, &command);
-    command.Add("JOB", options->jobs, "Ids, as submit and list say them").Required();
+    command.Add("JOB", options->jobs, "Ids, as submit and list say them");
+    command.Add("--name", options->choice.name, "All whose name matches this pattern, and that can");
+    command.Add("--state", options->choice.state, "All of this state, and that can")
+        .OneOf({"queued", "running", "paused", "done", "failed", "cancelled"});
   }
   const auto options = AddTelling(
       app, call, "priority", "Gives a job a larger or smaller share of the workers; each step doubles it",

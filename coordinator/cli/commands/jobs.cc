@@ -1,5 +1,3 @@
-#include <fnmatch.h>
-
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -7,6 +5,7 @@
 
 #include "coordinator/cli/commands/client_arguments.h"
 #include "coordinator/cli/commands/folder_jobs.h"
+#include "coordinator/cli/commands/job_choice.h"
 #include "coordinator/cli/commands/report.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/folder_lock.h"
@@ -31,26 +30,16 @@ struct JobsArguments {
   std::string job;                // status
   std::vector<std::string> jobs;  // results
   std::string out;                // results
-  std::string state, name;        // list, results: only those
+  JobChoice choice;               // list, results: only those
   bool json = false;
   bool check = false;  // status
   bool force = false;  // results
 };
 
-// Those of the state and the name (a pattern, as of files) that are asked for.
-std::vector<wire::JobInfo> Chosen(const JobsArguments& options, const std::vector<wire::JobInfo>& jobs) {
-  std::vector<wire::JobInfo> chosen;
-  for (const wire::JobInfo& job : jobs)
-    if ((options.state.empty() || job.state() == options.state) &&
-        (options.name.empty() || fnmatch(options.name.c_str(), job.name().c_str(), 0) == 0))
-      chosen.push_back(job);
-  return chosen;
-}
-
 int List(const JobsArguments& options, const Invocation&) {
   coordinator::Client client = ConnectClient(options.client);
   coordinator::JobList list = Take(client.List());
-  list.jobs = Chosen(options, list.jobs);
+  list.jobs = Chosen(options.choice, list.jobs);
   if (options.json) {
     std::fputs(JobsJson(list).c_str(), stdout);
   } else {
@@ -165,12 +154,12 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
 int Results(const JobsArguments& options, const Invocation&) {
   coordinator::Client client = ConnectClient(options.client);
   std::vector<std::string> jobs = options.jobs;
-  const bool by_name = !options.name.empty();
+  const bool by_name = !options.choice.name.empty();
   if (by_name == !jobs.empty()) throw InputError("name the jobs, or say --name PATTERN");
   if (by_name)
-    for (const wire::JobInfo& job : Chosen(options, Take(client.List()).jobs))
+    for (const wire::JobInfo& job : Chosen(options.choice, Take(client.List()).jobs))
       if (job.state() == "done") jobs.push_back(job.id());
-  if (jobs.empty()) throw InputError("no job that is done is called '" + options.name + "'");
+  if (jobs.empty()) throw InputError("no job that is done is called '" + options.choice.name + "'");
   for (const std::string& job : jobs) {
     const fs::path folder = options.out.empty()          ? fs::path(job)
                             : by_name || jobs.size() > 1 ? fs::path(options.out) / job
@@ -195,9 +184,9 @@ void AddJobs(Command app, Invocation& call) {
   Command command;
   auto options = AddClientCommand(app, call, "list", "All jobs of a coordinator",
                                   "cairn list --state running --name 'tour-*'", List, &command);
-  command.Add("--state", options->state, "Only these")
+  command.Add("--state", options->choice.state, "Only these")
       .OneOf({"queued", "running", "paused", "done", "failed", "cancelled"});
-  command.Add("--name", options->name, "Only those whose name matches this pattern");
+  command.Add("--name", options->choice.name, "Only those whose name matches this pattern");
   command.AddFlag("--json", options->json, "As JSON");
 
   options = AddClientCommand(
@@ -217,7 +206,7 @@ void AddJobs(Command app, Invocation& call) {
                              "Fetches the results of a job, a file a stage, with pictures and a page",
                              "cairn results 1-museum --out museum", Results, &command);
   command.Add("JOB", options->jobs, "Ids; of several each goes into a folder of its own");
-  command.Add("--name", options->name, "All that are done whose name matches this pattern");
+  command.Add("--name", options->choice.name, "All that are done whose name matches this pattern");
   command.Add("--out", options->out, "Folder to write to (the job's id)");
   command.AddFlag("--force", options->force, "Replace files that are there already and hold something else");
 }
