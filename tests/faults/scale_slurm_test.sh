@@ -94,3 +94,21 @@ for id in "${ids[@]}"; do
   exits 0 client logs "$id"
   ! grep -Eq 'died|lost its connection' stdout || die "a worker was cut off: $(cat stdout)"
 done
+
+# For who may only submit jobs: the coordinator is a job, too. Its node is killed; it is queued anew and goes on.
+exits 0 on_hub cairn run landmark_map log.h5 --set cell_m=$cell_m --on slurm --workers 2 --out alone
+says "^submitted as Slurm's job [0-9]+; results come into $work/alone"
+until_true 60 grep -q 'round 3' alone/.on-slurm/log
+host=$(on_hub squeue -h -n cairn-alone -o %N)
+kill -9 "${node[$host]}"
+until_true 100 test -s alone/landmark_map.h5
+all_done() { [ "$(queued)" -eq 0 ]; }
+until_true 60 all_done
+same_bits here alone
+grep -q 'where it was\|at round' alone/.on-slurm/log || die "it did not go on: $(cat alone/.on-slurm/log)"
+# Who cancels it ends its workers, too, and it does not come again.
+exits 0 on_hub cairn run landmark_map log.h5 --set cell_m=$cell_m --seed 4 --on slurm --workers 2 --out never
+until_true 60 grep -q 'round 3' never/.on-slurm/log
+exits 0 on_hub scancel -n cairn-never
+until_true 60 all_done
+[ ! -e never/landmark_map.h5 ] || die "a job that was cancelled has a result"

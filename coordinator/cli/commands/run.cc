@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "coordinator/cli/commands/first_stage.h"
+#include "coordinator/cli/commands/on_slurm.h"
 #include "coordinator/cli/commands/run_summary.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
@@ -28,6 +29,8 @@ struct RunCommandArguments {
   JobArguments job;
   RunArguments run;
   bool dry_run = false;
+  std::string on;                   // an engine; empty: here
+  std::vector<std::string> sbatch;  // with it
 };
 
 int ExitCode(coordinator::EmbeddedEnd end) {
@@ -101,6 +104,14 @@ void NoteJobFileOfBefore(const std::string& what, const std::string& file) {
 }
 
 int Run(const RunCommandArguments& options, const Invocation& call) {
+  if (!options.on.empty() && !options.dry_run) {
+    const std::string name = ResolveJob(options.job, LoadCatalog()).job.name();
+    return RunOnSlurm({.job = options.job,
+                       .out = options.run.out.empty() ? name : options.run.out,
+                       .workers = options.run.workers,
+                       .sbatch = options.sbatch,
+                       .force = options.run.force});
+  }
   PrepareToRun(options.run.workers);
   const Catalog catalog = LoadCatalog();
   ParsedJob parsed = ResolveJob(options.job, catalog);
@@ -200,6 +211,15 @@ void AddRun(Command app, Invocation& call) {
   AddJobArguments(command, options->job);
   command.Add("--out", options->run.out, "Folder of the results (the job's name)");
   AddRunArguments(command, options->run);
+  const Argument on =
+      command
+          .Add("--on", options->on, "Elsewhere: slurm makes a batch job of it, whose workers are jobs, too")
+          .OneOf({"slurm"});
+  command
+      .Add("--sbatch", options->sbatch,
+           "With --on slurm an option of sbatch's, --sbatch=--time=8:00:00; again for another")
+      .OneEachTime()
+      .Needs(on);
   command.AddFlag("--dry-run", options->dry_run,
                   "Check everything, plan the first stage, print the plan with estimates, run nothing");
 }

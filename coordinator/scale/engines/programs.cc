@@ -12,6 +12,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <memory>
 
@@ -59,7 +60,7 @@ class Running {
     ::kill(-pid_, SIGKILL);
     ::waitpid(pid_, nullptr, 0);
     pid_ = 0;
-    output_.failure = name_ + ": no answer for " + std::to_string(static_cast<int>(limit_s)) + " s";
+    output_.failure = name_ + ": no answer for " + std::to_string(std::lround(limit_s)) + " s";
   }
 
  private:
@@ -156,7 +157,8 @@ class Running {
 
 std::vector<ProgramOutput> RunPrograms(const std::vector<Program>& programs, double limit_s) {
   using Clock = std::chrono::steady_clock;
-  const Clock::time_point end = Clock::now() + std::chrono::milliseconds(static_cast<int>(limit_s * 1000));
+  const Clock::time_point end =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limit_s));
   std::vector<ProgramOutput> outputs(programs.size());
   std::vector<std::unique_ptr<Running>> running;
   for (std::size_t i = 0; i < programs.size(); ++i)

@@ -5,7 +5,7 @@
 namespace cairn::coordinator {
 namespace {
 
-constexpr double kLong_s = 60;
+constexpr double kLong_s = 30 * 86400;
 
 TEST(RunPrograms, GivesEachItsInputAndBringsWhatItSays) {
   const std::string much(1 << 20, 'x');

@@ -33,15 +33,14 @@ std::string ValueOf(const std::string& shown, const std::string& key) {
   return shown.substr(from, shown.find_first_of(" \n", from) - from);
 }
 
-// What Slurm says where one of its commands is missing helps nobody.
-std::string Failure(const ProgramOutput& output) {
+}  // namespace
+
+std::string SlurmFailure(const ProgramOutput& output) {
   if (output.exit_code >= 0 || output.failure.find("No such file or directory") == std::string::npos)
     return output.failure;
   return output.failure +
          ": Slurm's commands are not here; run this on a machine from which jobs are submitted";
 }
-
-}  // namespace
 
 std::string ArrayScript(const SlurmOptions& options, std::uint64_t first) {
   std::string script = "#!/bin/sh\numask 077\nname=" + ShellWord(options.prefix) + "$((" +
@@ -96,7 +95,7 @@ SlurmEngine::SlurmEngine(SlurmOptions options, Runner run)
 
 Result<std::vector<EngineWorker>> SlurmEngine::List() {
   const ProgramOutput queue = run_({{"squeue", "-h", "-r", "--me", "-o", "%j|%K|%t|%N|%r|%i"}, ""});
-  if (queue.exit_code != 0) return Status(Code::kIo, Failure(queue));
+  if (queue.exit_code != 0) return Status(Code::kIo, SlurmFailure(queue));
   std::map<std::string, std::string> ids;
   std::vector<EngineWorker> workers = ReadQueue(options_.prefix, queue.out, &ids);
   for (const auto& [name, id] : ids_) {
@@ -126,7 +125,7 @@ Engine::Started SlurmEngine::Start(const std::vector<std::string>& names) {
       ArrayScript(options_, first)};
   program.words.insert(program.words.end(), options_.sbatch.begin(), options_.sbatch.end());
   const ProgramOutput output = run_(program);
-  if (output.exit_code != 0) return {{}, {Code::kRefused, Failure(output)}};
+  if (output.exit_code != 0) return {{}, {Code::kRefused, SlurmFailure(output)}};
   const std::string id = output.out.substr(0, output.out.find_first_of(";\n"));
   for (std::size_t i = 0; i < names.size(); ++i) ids_[names[i]] = id + "_" + std::to_string(i);
   return {names, Status::Ok()};
@@ -138,7 +137,7 @@ Status SlurmEngine::Stop(const std::vector<std::string>& names) {
     if (const auto id = ids_.find(name); id != ids_.end()) program.words.push_back(id->second);
   if (program.words.size() == 1) return Status::Ok();
   const ProgramOutput output = run_(program);
-  return output.exit_code == 0 ? Status::Ok() : Status(Code::kIo, Failure(output));
+  return output.exit_code == 0 ? Status::Ok() : Status(Code::kIo, SlurmFailure(output));
 }
 
 void SlurmEngine::Forget(const std::vector<std::string>& names) {

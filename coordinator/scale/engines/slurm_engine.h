@@ -27,6 +27,8 @@ struct SlurmOptions {
   double limit_s = 30;              // for a command of Slurm's
 };
 
+// Why one of Slurm's commands failed, and where it is missing what to do, for people.
+std::string SlurmFailure(const ProgramOutput& output);
 // The script of an array whose first worker has that number.
 std::string ArrayScript(const SlurmOptions& options, std::uint64_t first);
 // Of `squeue -h -r -o '%j|%K|%t|%N|%r|%i'`; jobs of others are left out. `ids`: by name, what Slurm calls it.
