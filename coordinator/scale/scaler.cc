@@ -11,6 +11,8 @@
 namespace cairn::coordinator {
 namespace {
 
+constexpr std::uint64_t kMostNumber = 1'000'000'000'000;
+
 std::string Workers(int count) { return std::to_string(count) + (count == 1 ? " worker" : " workers"); }
 
 }  // namespace
@@ -20,7 +22,8 @@ std::uint64_t Scaler::NumberOf(const std::string& name) const {
   if (!name.starts_with(options_.prefix)) return 0;
   const char* end = name.data() + name.size();
   const auto read = std::from_chars(name.data() + options_.prefix.size(), end, number);
-  return read.ec == std::errc() && read.ptr == end ? number : 0;
+  const bool is_number = read.ec == std::errc() && read.ptr == end && number <= kMostNumber;
+  return is_number && name == options_.prefix + std::to_string(number) ? number : 0;
 }
 
 void Scaler::Say(const std::string& topic, Severity severity, const std::string& line) {
@@ -98,12 +101,11 @@ void Scaler::CountConnected(const ScaleFacts& facts, double now_s) {
   std::map<std::uint64_t, Spell> spells;
   for (const wire::WorkerInfo& worker : facts.workers) {
     const bool leaves = worker.state() == "draining";
-    const std::uint64_t number = NumberOf(worker.name());
-    if (number == 0) {
+    if (!IsOurs(worker.name())) {
       if (!leaves) ++others_;
       continue;
     }
-    last_number_ = std::max(last_number_, number);
+    last_number_ = std::max(last_number_, NumberOf(worker.name()));
     Life& life = lives_.try_emplace(worker.name(), Life{.asked_s = now_s}).first->second;
     if (life.connected_s < 0) failures_ = 0;
     life.connected_s = life.seen_s = now_s;
@@ -118,14 +120,14 @@ void Scaler::CountConnected(const ScaleFacts& facts, double now_s) {
 }
 
 void Scaler::CountListed(const std::vector<EngineWorker>& listed, double now_s) {
+  std::vector<std::string> ended;
   for (const EngineWorker& worker : listed) {
-    const std::uint64_t number = NumberOf(worker.name);
-    if (number == 0) continue;
-    last_number_ = std::max(last_number_, number);
     if (worker.state == EngineWorker::State::kEnded) {
-      TakeEnded(worker, now_s);
+      if (NumberOf(worker.name) != 0 && TakeEnded(worker, now_s)) ended.push_back(worker.name);
       continue;
     }
+    if (!IsOurs(worker.name)) continue;
+    last_number_ = std::max(last_number_, NumberOf(worker.name));
     Life& life = lives_.try_emplace(worker.name, Life{.asked_s = now_s}).first->second;
     life.seen_s = now_s;
     const bool waits = worker.state == EngineWorker::State::kWaiting;
@@ -139,6 +141,7 @@ void Scaler::CountListed(const std::vector<EngineWorker>& listed, double now_s) 
     else
       CountRunning(worker.name, life, now_s);
   }
+  if (!ended.empty()) engine_.Forget(ended);
 }
 
 // One that runs and is not connected.
@@ -168,21 +171,21 @@ void Scaler::CountMissing(double now_s) {
   }
 }
 
-void Scaler::TakeEnded(const EngineWorker& ended, double now_s) {
-  if (IsConnected(ended.name, now_s)) return;  // the engine is mistaken
+bool Scaler::TakeEnded(const EngineWorker& ended, double now_s) {
+  if (IsConnected(ended.name, now_s)) return false;  // the engine is mistaken
   const auto life = lives_.find(ended.name);
-  const bool unknown = life == lives_.end();
-  const bool expected = !unknown && (life->second.drained || life->second.stopped_s >= 0);
+  if (life == lives_.end()) return true;  // of one that was given up before
+  const bool expected = life->second.drained || life->second.stopped_s >= 0;
   const std::string where = ended.where.empty() ? "" : " on " + ended.where;
   const std::string why = ended.why.empty() && !expected ? "it was told to, but not from here" : ended.why;
   const std::string line = ended.name + where + " has ended" + (why.empty() ? "" : ": " + why);
-  if (!expected && !unknown && life->second.connected_s < 0)
+  if (!expected && life->second.connected_s < 0)
     NoteFailure(line, now_s);
   else
     log_(expected ? Severity::kInfo : Severity::kWarning, line);
   Try(keys_.Revoke(ended.name));
-  engine_.Forget({ended.name});
-  if (!unknown) lives_.erase(life);
+  lives_.erase(life);
+  return true;
 }
 
 // Of those that are gone: neither engine nor service knows them.

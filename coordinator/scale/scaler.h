@@ -42,6 +42,7 @@ class WorkerKeys {
   WorkerKeys(const WorkerKeys&) = delete;
   WorkerKeys& operator=(const WorkerKeys&) = delete;
   virtual ~WorkerKeys() = default;
+  virtual bool Needed() const { return true; }           // false: names are all that there is
   virtual Result<std::vector<std::string>> Names() = 0;  // those that have one
   virtual Status Make(const std::string& name) = 0;
   virtual Status Revoke(const std::string& name) = 0;  // nothing where it has none
@@ -105,7 +106,7 @@ class Scaler {
   void CountRunning(const std::string& name, Life& life, double now_s);
   void Add(const std::string& name, std::uint64_t number, State state, double for_s);
   bool IsConnected(const std::string& name, double now_s) const;
-  void TakeEnded(const EngineWorker& ended, double now_s);
+  bool TakeEnded(const EngineWorker& ended, double now_s);  // true: it may be forgotten
   void DropKeys(double now_s);
   PolicyOptions PolicyNow(bool has_work) const;
   void Start(int count, double now_s);
@@ -113,7 +114,11 @@ class Scaler {
   void NoteFailure(const std::string& why, double now_s);
   void Say(const std::string& topic, Severity severity, const std::string& line);  // the same once
   void Try(const Status& status);
-  std::uint64_t NumberOf(const std::string& name) const;  // 0: it was not started here
+  std::uint64_t NumberOf(const std::string& name) const;  // 0: none that a worker of ours could have
+  // With keys only what has one is ours, whatever a host or a worker says its name is.
+  bool IsOurs(const std::string& name) const {
+    return NumberOf(name) != 0 && (!keys_.Needed() || lives_.contains(name));
+  }
 
   const ScalerOptions options_;
   Engine& engine_;

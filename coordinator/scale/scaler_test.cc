@@ -311,6 +311,25 @@ TEST(Scaler, AKeyThatNobodyHasIsRevoked) {
   EXPECT_TRUE(world.has.contains("w-8")) << "no number comes twice";
 }
 
+TEST(Scaler, WithKeysANameAloneMakesNoWorkerOurs) {
+  Scaled world;
+  const std::string most = "w-18446744073709551615";
+  world.Connect(most);
+  world.Connect("w-4");
+  world.has[most] = {.name = most};
+  world.has["w-5"] = {.name = "w-5"};
+  world.Turn();
+  EXPECT_EQ(world.scaler->workers(), 0U);
+  world.Want(3);
+  world.Turn();
+  EXPECT_EQ(world.keys, std::set<std::string>{"w-1"}) << "two others serve, and numbers begin with 1";
+  world.Want(0);
+  world.Turn(1000);
+  EXPECT_EQ(world.connected[0].state(), "idle");
+  EXPECT_EQ(world.connected[1].state(), "idle");
+  EXPECT_EQ(std::ranges::count(world.stopped, most), 0);
+}
+
 TEST(Scaler, IsOverWhenAllIsDoneAndAllHaveGone) {
   Scaled world({.until_done = true});
   world.Want(2);

@@ -85,10 +85,16 @@ bool AccessControl::MayWork(const std::string& peer) const {
   return allowed != nullptr && allowed->roles.worker;
 }
 
-std::string AccessControl::NameOf(const std::string& user) const {
-  if (!list_ || user.empty()) return "";
+std::optional<std::string> AccessControl::NameOnList(const std::string& user) const {
+  if (!list_ || user.empty()) return std::nullopt;
   const wire::Allowed* allowed = list_->Find(user);
-  const std::string name = allowed == nullptr ? "" : Printable(allowed->name, kMostNameBytes);
+  return allowed == nullptr ? "" : allowed->name;
+}
+
+std::string AccessControl::NameOf(const std::string& user) const {
+  const std::optional<std::string> listed = NameOnList(user);
+  if (!listed) return "";
+  const std::string name = Printable(*listed, kMostNameBytes);
   return name.empty() ? wire::ShortKey(user) : name + " (" + wire::ShortKey(user) + ")";
 }
 

@@ -29,6 +29,8 @@ class AccessControl {
   // process) that it names, to the user's key.
   std::optional<wire::Refusal> Check(const std::string& peer, const std::string& user,
                                      const wire::Envelope& envelope, const Fleet& fleet);
+  // What that key is called; none where there are no keys.
+  std::optional<std::string> NameOnList(const std::string& user) const;
   // "desk (Yx8f…)": who has that key, for a log; empty where there are no keys.
   std::string NameOf(const std::string& user) const;
   // Whether the key that a worker's connection is bound to may still work.

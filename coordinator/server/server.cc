@@ -151,7 +151,8 @@ void Server::Take(const std::string& peer, const std::string& user, wire::Envelo
     case wire::Envelope::kHello: {
       wire::Hello& hello = *envelope.mutable_hello();
       hello.set_host(Printable(hello.host(), most));
-      hello.set_name(Printable(hello.name(), most));
+      // With keys it is called as its key is on the list: nobody takes another's name.
+      hello.set_name(Printable(access_control_.NameOnList(user).value_or(hello.name()), most));
       hello.set_slots(std::min(hello.slots(), options_.limits.slots));
       return Handle(WorkerHello{peer, hello});
     }

@@ -329,6 +329,17 @@ TEST(RefusalLog, AWorkersWordsCannotGarbleTheLog) {
   for (const std::string& line : fixture.log) EXPECT_EQ(line.find_first_of("\n\x1b"), std::string::npos);
 }
 
+TEST_F(Rights, AWorkerIsCalledAsItsKeyIs) {
+  Allow(worker_ + " worker desk\n");
+  wire::Message hello;
+  hello.envelope.mutable_hello()->set_protocol(2);
+  hello.envelope.mutable_hello()->set_slots(2);
+  hello.envelope.mutable_hello()->set_name("another's");
+  fixture_.transport.Come("w", std::move(hello), worker_);
+  fixture_.Until([&] { return Connected("w"); });
+  EXPECT_EQ(fixture_.server->core().Workers().at(0).name(), "desk");
+}
+
 // Of each change who asked for it, where a job's owner looks; of a job that is gone, in the service's log.
 TEST_F(Rights, WhoAskedForAChangeIsInTheLog) {
   Allow(submitter_ + " submitter desk\n" + viewer_ + " submitter\n");

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <optional>
 #include <set>
@@ -27,36 +28,56 @@ namespace fs = std::filesystem;
 // A job goes on while it is copied: what its checkpoint named may be gone, for there is a newer one.
 constexpr int kTries = 50;
 
+// The same in size and checksum trailer, which tells what is in it.
+bool LooksTheSame(const fs::path& a, const fs::path& b) {
+  constexpr std::uint64_t kTail = 64;
+  const Result<RegularFile> one = RegularFile::Open(a), other = RegularFile::Open(b);
+  if (!one.ok() || !other.ok() || one.value().size() != other.value().size()) return false;
+  const std::uint64_t size = one.value().size(), tail = std::min(size, kTail);
+  std::array<std::vector<std::byte>, 2> ends{std::vector<std::byte>(tail), std::vector<std::byte>(tail)};
+  return one.value().ReadAt(ends[0], size - tail) == 0 && other.value().ReadAt(ends[1], size - tail) == 0 &&
+         ends[0] == ends[1];
+}
+
+// What came of a file of the store; of the copy's own disk a Status says it.
+struct Copied {
+  enum What { kDone, kGone, kUnreadable } what = kDone;
+  std::string why = {};  // it is unreadable
+};
+
 fs::path ResultsIn(const fs::path& store, const std::string& job) { return store / "results" / job; }
 
 class Copier {
  public:
-  Copier(const StoreFolder& from, const StoreFolder& to) : from_(from), to_(to) {
+  Copier(const StoreFolder& from, const StoreFolder& to, bool check) : from_(from), to_(to), check_(check) {
     for (const Hash& hash : to.BlobsAlone()) here_.insert(hash);
     for (const fs::path& pack : to.PackFiles()) Index(pack);
   }
 
-  // Not Ok: what no other try mends, of the copy's disk above all.
+  // Not Ok: the copy's own disk does not take it.
   Status CopyJob(const std::string& job);
   BackupFacts& facts() { return facts_; }
   const std::set<Hash>& named() const { return named_; }
-  // Of jobs that could not be copied, or were before.
+  // Of each job that the copy has what it needs.
   bool all_known() const { return all_known_; }
+  void KeepWhatItHad(const std::string& why) {
+    all_known_ = false;
+    facts_.damaged.push_back(why);
+  }
 
  private:
-  // True where all that it names is here.
-  Result<bool> CopyBlobs(const proto::Checkpoint& checkpoint);
-  Result<bool> CopyPacks(const Hash& wanted);
-  Status CopyResults(const std::string& job);
-  // False: there is no such file (any more).
-  Result<bool> Copy(const fs::path& source, const fs::path& target);
+  // kDone: all that it names is here.
+  Result<Copied> CopyBlobs(const proto::Checkpoint& checkpoint);
+  Result<Copied> CopyBlob(const Hash& hash);
+  Result<Copied> CopyPacks(const Hash& wanted);
+  Status CopyResults(const proto::Checkpoint& checkpoint);
+  Result<Copied> CopyCheckpoint(const proto::Checkpoint& checkpoint, std::uint64_t number);
+  Result<Copied> Copy(const fs::path& source, const fs::path& target);
   bool Index(const fs::path& pack);
-  Result<bool> CopyCheckpoint(const proto::Checkpoint& checkpoint, const std::string& job,
-                              std::uint64_t number);
 
   const StoreFolder &from_, &to_;
+  const bool check_;
   std::set<Hash> here_, named_;
-  std::set<fs::path> looked_at_;  // packs of `from`
   bool all_known_ = true;
   BackupFacts facts_;
 };
@@ -69,32 +90,33 @@ bool Copier::Index(const fs::path& pack) {
 }
 
 // By way of a file that the next owner of the copy removes.
-Result<bool> Copier::Copy(const fs::path& source, const fs::path& target) {
+Result<Copied> Copier::Copy(const fs::path& source, const fs::path& target) {
   const Result<RegularFile> file = RegularFile::Open(source);
-  if (!file.ok() && file.status().code() == Code::kNotFound) return false;
-  if (!file.ok()) return file.status();
+  if (!file.ok() && file.status().code() == Code::kNotFound) return Copied{Copied::kGone};
+  if (!file.ok()) return Copied{Copied::kUnreadable, file.status().message()};
   const fs::path part = to_.Uploads() / "backup.part";
   const int out = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0600);
   if (out < 0) return SystemFailure(part, "open", errno);
-  const auto fail = [&](const fs::path& path, const char* doing, int error) {
+  const auto end = [&](auto result) {
     ::close(out);
     std::error_code ignored;
     fs::remove(part, ignored);
-    return SystemFailure(path, doing, error);
+    return Result<Copied>(std::move(result));
   };
   std::vector<std::byte> buffer(1 << 20);
   for (std::uint64_t at = 0; at < file.value().size();) {
     const std::size_t count = std::min<std::uint64_t>(buffer.size(), file.value().size() - at);
     const std::span<std::byte> bytes(buffer.data(), count);
-    if (const int error = file.value().ReadAt(bytes, at); error != 0) return fail(source, "read", error);
+    if (const int error = file.value().ReadAt(bytes, at); error != 0)
+      return end(Copied{Copied::kUnreadable, SystemFailure(source, "read", error).message()});
     for (std::size_t done = 0; done < count;) {
       const ssize_t n = ::write(out, bytes.data() + done, count - done);
-      if (n < 0 && errno != EINTR) return fail(part, "write", errno);
+      if (n < 0 && errno != EINTR) return end(SystemFailure(part, "write", errno));
       if (n > 0) done += static_cast<std::size_t>(n);
     }
     at += count;
   }
-  if (::fsync(out) != 0) return fail(part, "fsync", errno);
+  if (::fsync(out) != 0) return end(SystemFailure(part, "fsync", errno));
   ::close(out);
   std::error_code error;
   fs::rename(part, target, error);
@@ -102,87 +124,101 @@ Result<bool> Copier::Copy(const fs::path& source, const fs::path& target) {
   if (Status status = SyncFolder(target.parent_path()); !status.ok()) return status;
   ++facts_.files;
   facts_.bytes += file.value().size();
-  return true;
+  return Copied{};
 }
 
 // Those that are not here yet, until one has what is wanted.
-Result<bool> Copier::CopyPacks(const Hash& wanted) {
+Result<Copied> Copier::CopyPacks(const Hash& wanted) {
   for (const fs::path& pack : from_.PackFiles()) {
-    if (here_.contains(wanted)) return true;
+    if (here_.contains(wanted)) return Copied{};
     const fs::path target = to_.Blobs() / pack.filename();
     std::error_code error;
-    if (!looked_at_.insert(pack).second || fs::exists(target, error)) continue;
-    const Result<bool> copied = Copy(pack, target);
+    if (fs::exists(target, error)) continue;
+    const Result<Copied> copied = Copy(pack, target);
     if (!copied.ok()) return copied;
-    if (copied.value() && !Index(target)) fs::remove(target, error);
+    if (copied.value().what == Copied::kDone && !Index(target)) fs::remove(target, error);
   }
-  return here_.contains(wanted);
+  return here_.contains(wanted) ? Copied{} : Copied{Copied::kGone};
 }
 
-Result<bool> Copier::CopyBlobs(const proto::Checkpoint& checkpoint) {
+Result<Copied> Copier::CopyBlob(const Hash& hash) {
+  for (const auto& [source, target] : {std::pair(from_.FlatFile(hash), to_.FlatFile(hash)),
+                                       std::pair(from_.BlobFile(hash), to_.BlobFile(hash))}) {
+    Result<Copied> copied = Copy(source, target);
+    if (!copied.ok() || copied.value().what == Copied::kUnreadable) return copied;
+    if (copied.value().what == Copied::kGone) continue;
+    const Status whole = CheckBlobAlone(to_, hash);
+    if (whole.ok()) {
+      here_.insert(hash);
+      return copied;
+    }
+    std::error_code ignored;
+    fs::remove(target, ignored);
+    return Copied{Copied::kUnreadable, "a blob, as it was copied: " + whole.message()};
+  }
+  return CopyPacks(hash);
+}
+
+Result<Copied> Copier::CopyBlobs(const proto::Checkpoint& checkpoint) {
   // Of a job that is over for good no blob is kept.
-  if (checkpoint.state() == proto::JOB_DONE || checkpoint.state() == proto::JOB_CANCELLED) return true;
+  if (checkpoint.state() == proto::JOB_DONE || checkpoint.state() == proto::JOB_CANCELLED) return Copied{};
+  std::error_code none;
   for (const std::string& binary : checkpoint.blobs()) {
     const Hash hash = Hash::FromBinary(binary).value();
-    if (here_.contains(hash)) continue;
-    bool found = false;
-    for (const auto& [source, target] : {std::pair(from_.FlatFile(hash), to_.FlatFile(hash)),
-                                         std::pair(from_.BlobFile(hash), to_.BlobFile(hash))}) {
-      if (found) break;
-      const Result<bool> copied = Copy(source, target);
-      if (!copied.ok()) return copied;
-      found = copied.value();
-    }
-    if (found) {
-      if (const Status whole = CheckBlobAlone(to_, hash); !whole.ok()) {
-        std::error_code ignored;
-        for (const fs::path& target : {to_.FlatFile(hash), to_.BlobFile(hash)}) fs::remove(target, ignored);
-        return Status(whole.code(), "a blob, as it was copied: " + whole.message());
-      }
-      here_.insert(hash);
-      continue;
-    }
-    const Result<bool> packed = CopyPacks(hash);
-    if (!packed.ok() || !packed.value()) return packed;
+    const bool alone = fs::exists(to_.FlatFile(hash), none) || fs::exists(to_.BlobFile(hash), none);
+    if (here_.contains(hash) && !(check_ && alone && !CheckBlobAlone(to_, hash).ok())) continue;
+    Result<Copied> copied = CopyBlob(hash);
+    if (!copied.ok() || copied.value().what != Copied::kDone) return copied;
   }
-  return true;
+  return Copied{};
 }
 
 // They are published once, and stay as they are.
-Status Copier::CopyResults(const std::string& job) {
+Status Copier::CopyResults(const proto::Checkpoint& checkpoint) {
+  const std::string& job = checkpoint.job_id();
+  const fs::path folder = ResultsIn(to_.dir(), job);
   std::error_code error;
-  for (const fs::path& source : EntriesOf(ResultsIn(from_.dir(), job))) {
-    const fs::path target = ResultsIn(to_.dir(), job) / source.filename();
-    if (source.extension() != ".h5" || fs::exists(target, error)) continue;
-    fs::create_directories(target.parent_path(), error);
-    if (error) return SystemFailure(target.parent_path(), "make the folder", error.value());
-    const Result<bool> copied = Copy(source, target);
+  for (const fs::path& linked : {folder.parent_path(), folder})
+    if (fs::is_symlink(linked, error))
+      return {Code::kRefused, linked.string() + " is a link; a copy keeps its results in its own folder"};
+  for (int i = 0; i < std::min(checkpoint.results_size(), checkpoint.job().stages_size()); ++i) {
+    const std::string& stage = checkpoint.job().stages(i).name();
+    const fs::path source = ResultsIn(from_.dir(), job) / (stage + ".h5"),
+                   target = folder / source.filename();
+    if (LooksTheSame(source, target) && !(check_ && !ReadStoredFile(target).ok())) continue;
+    fs::create_directories(folder, error);
+    if (error) return SystemFailure(folder, "make the folder", error.value());
+    const Result<Copied> copied = Copy(source, target);
     if (!copied.ok()) return copied.status();
-    if (const Result<BlobFile> whole = ReadStoredFile(target); copied.value() && !whole.ok()) {
+    std::string why = copied.value().why;
+    if (copied.value().what == Copied::kGone)
+      why = source.string() + " is not there, though the stage is done";
+    else if (const Result<BlobFile> whole = ReadStoredFile(target); why.empty() && !whole.ok()) {
       fs::remove(target, error);
-      facts_.damaged.push_back(source.string() + ", as it was copied: " + whole.status().message());
+      why = source.string() + ", as it was copied: " + whole.status().message();
     }
+    if (!why.empty()) facts_.damaged.push_back("job " + job + ": " + why);
   }
   return Status::Ok();
 }
 
 // With it the copy has the job as it stands, and nothing older is needed.
-Result<bool> Copier::CopyCheckpoint(const proto::Checkpoint& checkpoint, const std::string& job,
-                                    std::uint64_t number) {
+Result<Copied> Copier::CopyCheckpoint(const proto::Checkpoint& checkpoint, std::uint64_t number) {
+  const std::string& job = checkpoint.job_id();
   const fs::path target = to_.CheckpointFile(job, number);
   std::error_code error;
   fs::create_directories(target.parent_path(), error);
   if (error) return SystemFailure(target.parent_path(), "make the folder", error.value());
   const Result<proto::Checkpoint> before = ReadCheckpoint(target);
   if (!before.ok() || HashOfMessage(before.value()) != HashOfMessage(checkpoint)) {
-    const Result<bool> copied = Copy(from_.CheckpointFile(job, number), target);
-    if (!copied.ok() || !copied.value()) return copied;
+    Result<Copied> copied = Copy(from_.CheckpointFile(job, number), target);
+    if (!copied.ok() || copied.value().what != Copied::kDone) return copied;
   }
   for (const std::uint64_t old : to_.CheckpointNumbers(job))
     if (old != number) fs::remove(to_.CheckpointFile(job, old), error);
   for (const std::string& blob : checkpoint.blobs()) named_.insert(Hash::FromBinary(blob).value());
   ++facts_.jobs;
-  return true;
+  return Copied{};
 }
 
 Status Copier::CopyJob(const std::string& job) {
@@ -192,31 +228,57 @@ Status Copier::CopyJob(const std::string& job) {
     if (numbers.empty()) return Status::Ok();  // it was deleted
     const std::uint64_t number = numbers.back();
     const Result<proto::Checkpoint> checkpoint = ReadCheckpoint(from_.CheckpointFile(job, number));
-    looked_at_.clear();
-    Result<bool> copied = checkpoint.ok() ? CopyBlobs(checkpoint.value()) : checkpoint.status();
-    if (copied.ok() && copied.value()) {
-      if (Status status = CopyResults(job); !status.ok()) return status;
-      copied = CopyCheckpoint(checkpoint.value(), job, number);
-      if (copied.ok() && copied.value()) return Status::Ok();
+    Result<Copied> copied = Copied{Copied::kUnreadable, checkpoint.status().message()};
+    if (checkpoint.ok() && checkpoint.value().job_id() != job)
+      copied = Copied{Copied::kUnreadable, "its newest checkpoint is of job " + checkpoint.value().job_id()};
+    else if (checkpoint.ok())
+      copied = CopyBlobs(checkpoint.value());
+    if (copied.ok() && copied.value().what == Copied::kDone) {
+      if (Status status = CopyResults(checkpoint.value()); !status.ok()) return status;
+      copied = CopyCheckpoint(checkpoint.value(), number);
     }
-    why = copied.ok() ? "a blob that its newest checkpoint names is not there" : copied.status().message();
-    const Code code = copied.ok() ? Code::kNotFound : copied.status().code();
-    if (code != Code::kNotFound && code != Code::kCorrupt) return copied.status();
+    if (!copied.ok()) return copied.status();
+    if (copied.value().what == Copied::kDone) return Status::Ok();
+    why = copied.value().what == Copied::kGone ? "a blob that its newest checkpoint names is not there"
+                                               : copied.value().why;
     // It is damaged, unless there is a newer one by now.
     const std::vector<std::uint64_t> now = from_.CheckpointNumbers(job);
     if (!now.empty() && now.back() == number) break;
   }
-  all_known_ = false;
-  facts_.damaged.push_back("job " + job + ": " + why);
+  KeepWhatItHad("job " + job + ": " + why);
   return Status::Ok();
 }
 
-Status RemoveWhatIsGone(const StoreFolder& from, const StoreFolder& to) {
+// What was deleted there; a job that has lost its checkpoints is none of these.
+Status RemoveWhatIsGone(const StoreFolder& from, const StoreFolder& to, Copier& copier) {
   const std::vector<std::string> there = from.JobsWithCheckpoints();
-  for (const std::string& job : to.JobsWithCheckpoints())
-    if (!std::ranges::binary_search(there, job))
-      if (Status status = to.Forget(job, ResultsIn(to.dir(), job)); !status.ok()) return status;
+  std::error_code error;
+  for (const std::string& job : to.JobsWithCheckpoints()) {
+    if (std::ranges::binary_search(there, job)) continue;
+    if (fs::exists(ResultsIn(from.dir(), job), error))
+      copier.KeepWhatItHad("job " + job + ": it has results, but no checkpoint");
+    else if (Status status = to.Forget(job, ResultsIn(to.dir(), job)); !status.ok())
+      return status;
+  }
   return Status::Ok();
+}
+
+// Nothing that is not a copy of this store is written over.
+Status CheckPlaces(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  const fs::path inside =
+      fs::weakly_canonical(to, error).lexically_relative(fs::weakly_canonical(from, error));
+  if (!inside.empty() && *inside.begin() != "..")
+    return {Code::kRefused, to.string() + " lies in the store itself"};
+  if (!fs::exists(to, error) || fs::is_empty(to, error)) return Status::Ok();
+  constexpr std::size_t kMostBytes = 1 << 13;
+  const Result<std::string> of = ReadSmallFile(to / kBackupOf, kMostBytes);
+  if (!of.ok())
+    return {Code::kRefused, to.string() + " is there already, and is no backup: name another folder"};
+  const std::string mine = fs::weakly_canonical(from, error).string() + "\n";
+  if (of.value() == mine) return Status::Ok();
+  return {Code::kRefused, to.string() + " is a backup of " + of.value().substr(0, of.value().find('\n')) +
+                              ", not of this store: name another folder"};
 }
 
 Status CopyTableAndClock(const StoreFolder& from, const StoreFolder& to, BackupFacts& facts) {
@@ -230,9 +292,10 @@ Status CopyTableAndClock(const StoreFolder& from, const StoreFolder& to, BackupF
 
 }  // namespace
 
-Result<BackupFacts> BackUp(const fs::path& from_dir, const fs::path& to_dir) {
+Result<BackupFacts> BackUp(const fs::path& from_dir, const fs::path& to_dir, bool check) {
   const Result<StoreFolder> from = StoreFolder::LookAt(from_dir);
   if (!from.ok()) return from.status();
+  if (Status places = CheckPlaces(from_dir, to_dir); !places.ok()) return places;
   const Result<StoreFolder> to = StoreFolder::Open(to_dir);
   if (!to.ok()) return to.status();
   const std::vector<std::string> jobs = from.value().JobsWithCheckpoints();
@@ -241,11 +304,12 @@ Result<BackupFacts> BackUp(const fs::path& from_dir, const fs::path& to_dir) {
                                       " has: is it the right store?");
   std::error_code error;
   fs::remove(to_dir / kBackupMark, error);
-  if (Status status = SyncFolder(to_dir); !status.ok()) return status;
-  Copier copier(from.value(), to.value());
+  const std::string of = fs::weakly_canonical(from_dir, error).string() + "\n";
+  if (Status status = WriteTextAtomically(to_dir / kBackupOf, of); !status.ok()) return status;
+  Copier copier(from.value(), to.value(), check);
   for (const std::string& job : jobs)
     if (Status status = copier.CopyJob(job); !status.ok()) return status;
-  if (Status status = RemoveWhatIsGone(from.value(), to.value()); !status.ok()) return status;
+  if (Status status = RemoveWhatIsGone(from.value(), to.value(), copier); !status.ok()) return status;
   // Last: no number that a job ever had is given to another.
   if (Status status = CopyTableAndClock(from.value(), to.value(), copier.facts()); !status.ok())
     return status;

@@ -21,12 +21,17 @@ struct BackupFacts {
       damaged;  // what could not be copied, and why; of such a job the copy keeps what it had
 };
 
-// Makes `to`, a folder that is not there yet, is empty, or is an earlier copy, a copy of the store `from`.
-// Jobs that `from` has no more go from it. Each copied file is read again, and what it holds is checked.
-// kNotFound: `from` is no store. kRefused: it has no job, but the copy has. Of `to` as StoreFolder::Open
-// says, kNoSpace and kIo of its disk.
-Result<BackupFacts> BackUp(const std::filesystem::path& from, const std::filesystem::path& to);
+// Makes `to`, a folder that is not there yet, is empty, or is an earlier copy of the same store, a copy of
+// the store `from`. Jobs that were deleted there go from it. Each copied file is read again, and what it
+// holds is checked; `check`: also what was copied before, which is copied anew where it is damaged.
+// kNotFound: `from` is no store. kRefused: `to` is a store of its own or a copy of another, or lies in
+// `from`; `from` has no job, but the copy has. Of `to` as StoreFolder::Open says, kNoSpace and kIo of its
+// disk.
+Result<BackupFacts> BackUp(const std::filesystem::path& from, const std::filesystem::path& to,
+                           bool check = false);
 
+// In each copy: of which store it is.
+inline constexpr const char* kBackupOf = "backup-of";
 // In a copy that was made to its end. Gone while another is made over it.
 inline constexpr const char* kBackupMark = "backup-is-whole";
 

@@ -17,6 +17,9 @@ namespace fs = std::filesystem;
 class Backup : public ::testing::Test {
  protected:
   void SetUp() override {
+    // Where a service has them.
+    fs::create_directories(fixture_.temp.path() / "results");
+    fs::create_directory_symlink(fixture_.temp.path() / "results", From() / "results");
     fixture_.transport.tasks = 20;
     fixture_.transport.swallow = [](const wire::Assign& assign) {
       return assign.key().kind() == wire::TaskKey::ADVANCE && assign.key().round() == 1;
@@ -124,8 +127,53 @@ TEST_F(Backup, AStoreWithoutJobsTakesNoCopyAway) {
   EXPECT_EQ(BackUp(other.path() / "store", To()).status().code(), Code::kRefused) << "is it the right store?";
   EXPECT_TRUE(IsWhole());
   EXPECT_EQ(BackUp(other.path() / "none", To()).status().code(), Code::kNotFound);
-  EXPECT_EQ(BackUp(To(), From()).status().code(), Code::kBusy) << "a store that is served is nobody's copy";
+  EXPECT_EQ(BackUp(To(), From()).status().code(), Code::kRefused) << "a store is nobody's copy";
   EXPECT_FALSE(fs::exists(other.path() / "none"));
+}
+
+TEST_F(Backup, AStoreOfItsOwnIsNoPlaceForOne) {
+  TempFolder other;
+  {
+    ASSERT_TRUE(StoreFolder::Open(other.path() / "store").ok());
+  }
+  EXPECT_EQ(BackUp(From(), other.path() / "store").status().code(), Code::kRefused);
+  Copied();
+  fs::rename(From(), fixture_.temp.path() / "moved");
+  EXPECT_EQ(BackUp(fixture_.temp.path() / "moved", To()).status().code(), Code::kRefused)
+      << "of another store";
+  fs::rename(fixture_.temp.path() / "moved", From());
+  EXPECT_EQ(BackUp(From(), From() / "copy").status().code(), Code::kRefused);
+  EXPECT_EQ(BackUp(From(), From()).status().code(), Code::kRefused);
+}
+
+TEST_F(Backup, WhatHasLostItsCheckpointsIsNotTakenForDeleted) {
+  Copied();
+  const std::set<fs::path> whole = Tree(To());
+  fs::create_directories(fixture_.temp.path() / "results" / "a");
+  fs::rename(Store().Checkpoints() / "a", fixture_.temp.path() / "lost");
+  fs::create_directories(Store().Checkpoints() / "b");
+  std::ofstream(Store().CheckpointFile("b", 1)) << "no checkpoint";
+  const BackupFacts facts = Copied();
+  EXPECT_EQ(facts.damaged.size(), 2U);
+  EXPECT_EQ(facts.jobs, 0U);
+  for (const fs::path& path : whole) EXPECT_EQ(fs::exists(To() / path), path != kBackupMark) << path;
+}
+
+TEST_F(Backup, ACheckFindsWhatHasRottedAndCopiesItAnew) {
+  Copied();
+  const Hash log = TextBlob("the log").hash;
+  const StoreFolder copy = StoreFolder::LookAt(To()).value();
+  const fs::path blob = fs::exists(copy.FlatFile(log)) ? copy.FlatFile(log) : copy.BlobFile(log);
+  ASSERT_TRUE(fs::exists(blob));
+  {
+    std::fstream(blob, std::ios::in | std::ios::out).seekp(100) << "rot";
+  }
+  EXPECT_EQ(Copied().files, 0U) << "it looks at names alone";
+  EXPECT_FALSE(CheckBlobAlone(copy, log).ok());
+  const Result<BackupFacts> checked = BackUp(From(), To(), true);
+  ASSERT_TRUE(checked.ok());
+  EXPECT_EQ(checked.value().files, 1U);
+  EXPECT_TRUE(CheckBlobAlone(copy, log).ok());
 }
 
 TEST_F(Backup, OfAJobThatWasDeletedNothingStays) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <utility>
 
@@ -99,6 +100,18 @@ std::uint64_t StepsFor(const std::filesystem::path& path) {
   return kMostSteps + kStepsAByte * bytes;
 }
 
+// Of a whole path, whatever is in it.
+std::string UriOf(const std::string& path) {
+  constexpr const char* kDigits = "0123456789abcdef";
+  std::string uri = "file:";
+  for (const char c : path) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = std::isalnum(byte) != 0 || std::string_view("/._-").find(c) != std::string_view::npos;
+    uri += plain ? std::string(1, c) : std::string{'%', kDigits[byte >> 4], kDigits[byte & 15]};
+  }
+  return uri;
+}
+
 // What is damaged while it is in use shows when it is read. The next start makes it anew.
 Status WithAdvice(const Status& status) {
   if (status.code() != Code::kCorrupt) return status;
@@ -171,7 +184,11 @@ Status JobTable::Copy(const std::filesystem::path& from, const std::filesystem::
   {
     JobTable source, target;
     sqlite3* db = nullptr;
-    const int opened = sqlite3_open_v2(from.c_str(), &db, SQLITE_OPEN_READONLY, nullptr);
+    // A table without a journal beside it is nobody's now: it is read as it lies, also where nothing may be
+    // written.
+    const bool at_rest = !fs::exists(from.string() + "-wal", error);
+    const std::string uri = UriOf(fs::absolute(from).string()) + (at_rest ? "?immutable=1" : "");
+    const int opened = sqlite3_open_v2(uri.c_str(), &db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
     source.db_.reset(db);
     if (opened != SQLITE_OK) return {Code::kCorrupt, from.string() + ": " + sqlite3_errstr(opened)};
     constexpr int kPatience_ms = 10'000;
@@ -186,6 +203,10 @@ Status JobTable::Copy(const std::filesystem::path& from, const std::filesystem::
     if (copied == SQLITE_CORRUPT || copied == SQLITE_NOTADB)
       return {Code::kCorrupt, from.string() + ": " + sqlite3_errstr(copied)};
     if (copied != SQLITE_OK) return sqlite::Failure(target.db_.get(), part.string());
+  }
+  if (const Result<JobTable> whole = Open(part); !whole.ok()) {
+    remove(part);
+    return whole.status();
   }
   for (const char* ending : {"-wal", "-shm", "-journal"}) fs::remove(to.string() + ending, error);
   fs::rename(part, to, error);

@@ -68,8 +68,8 @@ exits 0 cairn backup copy --json
 # What is there stays.
 refuses 'home/store is there already' cairn restore copy
 mkdir mine && touch mine/thesis.tex
-refuses 'mine holds files of something else, and no store' cairn backup mine
-refuses 'in use by another cairn process' cairn backup home/store --store copy
+refuses "mine is there already, and is no backup" cairn backup mine
+refuses "home/store is there already, and is no backup" cairn backup home/store --store copy
 
 # One byte of the copy changed: a restore says what it does not bring back, and its exit code too.
 rm copy/backup-is-whole
@@ -77,4 +77,4 @@ refuses 'no backup that was made to its end' cairn restore copy --store back
 result=$(ls copy/results/"$late"/*.h5)
 printf '\x5a' | dd of="$result" bs=1 seek=2000 conv=notrunc status=none
 exits 1 cairn restore copy --store back --unfinished
-says "not copied: $result, as it was copied: .*"
+says "not copied: job $late: $result, as it was copied: .*"

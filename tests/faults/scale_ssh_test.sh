@@ -30,7 +30,7 @@ serve_ssh() {
   local ns=${hosts[$1]} home=$work/host$1
   mkdir -p "$home"
   printf '%s\n' "ListenAddress 10.78.$1.2" "HostKey \"$work/host_key$1\"" "PidFile none" "StrictModes no" "UsePAM no" \
-    "AuthorizedKeysFile \"$work/login.pub\"" "PermitRootLogin yes" "PasswordAuthentication no" \
+    "AuthorizedKeysFile \"$work/login.pub\"" "PermitRootLogin yes" "PasswordAuthentication no" "SetEnv \"HOME=$home\"" \
     "ForceCommand cd '$home' && HOME='$home' exec sh -c \"\$SSH_ORIGINAL_COMMAND\"" >"sshd$1.conf"
   ip netns exec "$ns" "$(command -v sshd)" -D -f "$work/sshd$1.conf" -E "$work/sshd$1.log" &
 }
@@ -85,7 +85,7 @@ scaler=$!
 until_true 30 connected 3
 [ "$(worker_keys)" -eq 3 ] || die "$(worker_keys) keys of three workers"
 for n in 0 1 2; do
-  ls "host$n"/.cairn/scale/*/*.key >key 2>/dev/null || die "host $n has no key of its worker's"
+  ls "host$n"/.cairn/scale/*/*/*.key >key 2>/dev/null || die "host $n has no key of its worker's"
   [ "$(stat -c %a "$(cat key)")" = 600 ] || die "others may read $(cat key)"
 done
 pkill -9 -P "$scaler" 2>/dev/null || true

@@ -48,6 +48,7 @@ FileRights RightsFor(const fs::path& list) {
 
 // Of the lines of keys.
 void Write(const fs::path& list, const std::string& text) {
+  RemoveLeftoversOf(list);
   Check(WriteTextAtomically(list, text + kEnd + "\n", RightsFor(list)));
 }
 

@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 struct BackupArguments {
   std::string folder;
   std::string store;
+  bool check = false;
   bool unfinished = false;
   bool json = false;
 };
@@ -41,7 +42,7 @@ int Tell(const coordinator::BackupFacts& facts, const std::string& where, bool a
 
 int Backup(const BackupArguments& options, const Invocation&) {
   const std::string store = options.store.empty() ? HomeFolder() + "/store" : options.store;
-  return Tell(Take(coordinator::BackUp(store, options.folder)), options.folder, options.json);
+  return Tell(Take(coordinator::BackUp(store, options.folder, options.check)), options.folder, options.json);
 }
 
 int Restore(const BackupArguments& options, const Invocation&) {
@@ -54,7 +55,8 @@ int Restore(const BackupArguments& options, const Invocation&) {
     throw InputError(options.folder +
                      " is no backup that was made to its end; --unfinished takes what there is of one");
   const coordinator::BackupFacts facts = Take(coordinator::BackUp(options.folder, store));
-  fs::remove(fs::path(store) / coordinator::kBackupMark, error);
+  for (const char* mark : {coordinator::kBackupMark, coordinator::kBackupOf})
+    fs::remove(fs::path(store) / mark, error);
   return Tell(facts, store, options.json);
 }
 
@@ -68,6 +70,8 @@ void AddBackup(Command app, Invocation& call) {
   command.Add("DIR", options->folder, "Where the copy goes; over an earlier one only what is new is copied")
       .Required();
   command.Add("--store", options->store, "The coordinator's store (~/.cairn/store)");
+  command.AddFlag("--check", options->check,
+                  "Read all that was copied before, too, and copy anew what is damaged");
   command.AddFlag("--json", options->json, "As JSON");
 
   options =

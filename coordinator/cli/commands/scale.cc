@@ -1,11 +1,10 @@
 // cairn scale: keeps as many workers as the service's jobs could use, on an engine that people have.
-#include <sys/stat.h>
+#include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <thread>
 
 #include "coordinator/cli/commands/allow_list_file.h"
@@ -24,6 +23,7 @@
 #include "coordinator/scale/scaler.h"
 #include "schema/hash.h"
 #include "schema/store/atomic_file.h"
+#include "schema/store/regular_file.h"
 #include "schema/text.h"
 #include "schema/wire/keys.h"
 
@@ -63,9 +63,17 @@ struct Scale {
   std::vector<std::string> worker_options;
 };
 
+// What is a machine's own loopback is another service on each.
 std::string ServiceTag(const std::string& endpoint) {
   Hasher hasher;
   hasher.Add(std::string_view(endpoint));
+  if (endpoint.starts_with("tcp://127.") || endpoint.starts_with("tcp://localhost") ||
+      endpoint.starts_with("tcp://[::1]")) {
+    std::array<char, 256> host{};
+    ::gethostname(host.data(), host.size() - 1);
+    hasher.Add(std::string_view(host.data()));
+    hasher.Add(std::string_view(HomeFolder()));
+  }
   return hasher.Finish().Hex().substr(0, 4);
 }
 
@@ -192,7 +200,7 @@ int ScaleLocal(const ScaleArguments& given, const Invocation& call) {
   ScaleArguments options = given;
   const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   if (options.policy.most == 0) options.policy.most = cores;
-  if (options.worker.empty()) options.worker = WorkerProgram();
+  options.worker = options.worker.empty() ? WorkerProgram() : fs::absolute(options.worker).string();
   const Scale scale = Prepare(options, "local");
   Console console(Talkative(call));
   coordinator::HostsOptions hosts = HostsOf(options, scale, console);
@@ -201,14 +209,6 @@ int ScaleLocal(const ScaleArguments& given, const Invocation& call) {
   hosts.folder = (scale.folder / "workers").string();
   coordinator::HostsEngine engine(std::move(hosts));
   return Keep(options, scale, engine, console, nullptr);
-}
-
-std::string ReadText(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) Throw(SystemFailure(path, "open", errno));
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
 }
 
 // Nobody is there to be asked, and a host that is silent is away.
@@ -251,8 +251,10 @@ std::vector<std::string> TunnelWords(const ScaleArguments& options, const std::s
 }
 
 int ScaleSsh(const ScaleArguments& given, const Invocation& call) {
+  constexpr std::size_t kMostHostsBytes = 1 << 20;
   ScaleArguments options = given;
-  const std::vector<coordinator::Host> list = coordinator::ParseHosts(ReadText(options.hosts), options.hosts);
+  const std::vector<coordinator::Host> list =
+      coordinator::ParseHosts(Take(ReadSmallFile(options.hosts, kMostHostsBytes)), options.hosts);
   int cores = 0;
   for (const coordinator::Host& host : list) cores += host.cores;
   if (options.policy.most == 0) options.policy.most = cores;
@@ -283,7 +285,7 @@ int ScaleSsh(const ScaleArguments& given, const Invocation& call) {
 
 int ScaleSlurm(const ScaleArguments& given, const Invocation& call) {
   ScaleArguments options = given;
-  if (options.worker.empty()) options.worker = WorkerProgram();
+  options.worker = options.worker.empty() ? WorkerProgram() : fs::absolute(options.worker).string();
   if (!options.partition.empty())
     options.sbatch.insert(options.sbatch.begin(), "--partition=" + options.partition);
   const Scale scale = Prepare(options, "slurm");

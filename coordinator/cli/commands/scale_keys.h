@@ -12,6 +12,7 @@ namespace cairn::cli {
 // Where nobody but their owner can come in, none is needed.
 class NoKeys : public coordinator::WorkerKeys {
  public:
+  bool Needed() const override { return false; }
   Result<std::vector<std::string>> Names() override { return std::vector<std::string>(); }
   cairn::Status Make(const std::string&) override { return cairn::Status::Ok(); }
   cairn::Status Revoke(const std::string&) override { return cairn::Status::Ok(); }

@@ -15,7 +15,14 @@ namespace {
 // What is known of a worker's process: it, and when it began, for its number may come again.
 constexpr const char* kTools = R"sh(
 began() { cut -d ' ' -f 22 "/proc/$1/stat" 2>/dev/null; }
-runs() { read -r pid start <"$1.pid" 2>/dev/null && [ "$(began "$pid")" = "$start" ]; }
+runs() { read -r pid start <"$1.pid" 2>/dev/null && [ -n "$start" ] && [ "$(began "$pid")" = "$start" ]; }
+)sh";
+
+// Without these nothing can be told of its workers.
+constexpr const char* kNeeds = R"sh(
+[ -r /proc/self/stat ] || { echo "it has no /proc" >&2; exit 1; }
+command -v setsid >/dev/null || { echo "it has no setsid (util-linux)" >&2; exit 1; }
+: >writable || exit 1
 )sh";
 
 // The shell that waits for a worker outlives a signal to both, to say how it ended.
@@ -27,9 +34,10 @@ begin() {
 }
 )sh";
 
-std::string EnterFolder(const HostsOptions& options) {
-  return "umask 077\nmkdir -p -- " + ShellWord(options.folder) + " && cd -- " + ShellWord(options.folder) +
-         " || exit 1\n" + kTools;
+// A folder a host: hosts may have one home.
+std::string EnterFolder(const HostsOptions& options, const Host& host) {
+  const std::string folder = ShellWord(options.folder + "/" + host.name);
+  return "umask 077\nmkdir -p -- " + folder + " && cd -- " + folder + " || exit 1\n" + kTools;
 }
 
 std::string WriteFile(const std::string& name, const std::string& text) {
@@ -44,6 +52,7 @@ std::string Words(const std::vector<std::string>& words) {
 
 std::string WhyEnded(const std::string& code, const std::string& last_line) {
   if (code == "0") return "";
+  if (code.empty()) return "how could not be written there: is its disk full?";
   if (code == "lost") return "its process is gone; was the host started anew?";
   return (last_line.empty() ? "exit code " + code : Printable(last_line, 300) + " (exit code " + code + ")");
 }
@@ -57,7 +66,7 @@ std::size_t Occupied(const std::vector<EngineWorker>& workers) {
 
 std::string StartScript(const HostsOptions& options, const Host& host,
                         const std::map<std::string, std::string>& keys) {
-  std::string script = EnterFolder(options) + kBegin;
+  std::string script = EnterFolder(options, host) + kBegin;
   if (!options.server_key.empty()) script += WriteFile("coordinator.pub", options.server_key + "\n");
   for (const auto& [name, key] : keys) {
     std::vector<std::string> words = {name, options.worker, "--name", name};
@@ -75,8 +84,8 @@ std::string StartScript(const HostsOptions& options, const Host& host,
   return script;
 }
 
-std::string ListScript(const HostsOptions& options) {
-  return EnterFolder(options) + R"sh(for file in *.pid; do
+std::string ListScript(const HostsOptions& options, const Host& host) {
+  return EnterFolder(options, host) + kNeeds + R"sh(for file in *.pid; do
   [ -e "$file" ] || continue
   name=${file%.pid}
   if runs "$name"; then echo "$name runs"
@@ -87,15 +96,16 @@ echo listed
 )sh";
 }
 
-std::string StopScript(const HostsOptions& options, const std::vector<std::string>& names) {
-  return EnterFolder(options) + "for name in" + Words(names) + R"sh(; do
+std::string StopScript(const HostsOptions& options, const Host& host, const std::vector<std::string>& names) {
+  return EnterFolder(options, host) + "for name in" + Words(names) + R"sh(; do
   if runs "$name"; then kill -s TERM -- "-$pid"; fi
 done
 )sh";
 }
 
-std::string ForgetScript(const HostsOptions& options, const std::vector<std::string>& names) {
-  return EnterFolder(options) + "for name in" + Words(names) + R"sh(; do
+std::string ForgetScript(const HostsOptions& options, const Host& host,
+                         const std::vector<std::string>& names) {
+  return EnterFolder(options, host) + "for name in" + Words(names) + R"sh(; do
   rm -f -- "$name.pid" "$name.exit" "$name.end" "$name.log" "$name.key"
 done
 )sh";
@@ -137,10 +147,15 @@ void HostsEngine::NoteFailure(Place& place, const std::string& why) {
 
 std::vector<bool> HostsEngine::Run(const std::vector<Place*>& places, const std::vector<std::string>& scripts,
                                    std::vector<std::string>* printed) {
-  std::vector<Program> programs;
-  for (std::size_t i = 0; i < places.size(); ++i)
-    programs.push_back({options_.shell(places[i]->host), scripts[i]});
-  std::vector<ProgramOutput> outputs = RunPrograms(programs, options_.limit_s);
+  constexpr std::size_t kAtOnce = 64;  // each has pipes
+  std::vector<ProgramOutput> outputs;
+  for (std::size_t first = 0; first < places.size(); first += kAtOnce) {
+    std::vector<Program> programs;
+    for (std::size_t i = first; i < std::min(places.size(), first + kAtOnce); ++i)
+      programs.push_back({options_.shell(places[i]->host), scripts[i]});
+    for (ProgramOutput& output : RunPrograms(programs, options_.limit_s))
+      outputs.push_back(std::move(output));
+  }
   std::vector<bool> well;
   for (std::size_t i = 0; i < places.size(); ++i) {
     well.push_back(outputs[i].exit_code == 0);
@@ -160,8 +175,9 @@ Result<std::vector<EngineWorker>> HostsEngine::List() {
   for (Place& place : places_)
     if (Clock::now() >= place.away_until) asked.push_back(&place);
   std::vector<std::string> printed;
-  const std::vector<bool> well =
-      Run(asked, std::vector<std::string>(asked.size(), ListScript(options_)), &printed);
+  std::vector<std::string> scripts;
+  for (const Place* place : asked) scripts.push_back(ListScript(options_, place->host));
+  const std::vector<bool> well = Run(asked, scripts, &printed);
   for (std::size_t i = 0; i < asked.size(); ++i) {
     if (!well[i]) continue;
     if (printed[i].ends_with("listed\n"))
@@ -234,17 +250,21 @@ std::map<HostsEngine::Place*, std::vector<std::string>> HostsEngine::WhereTheyAr
 
 Status HostsEngine::Stop(const std::vector<std::string>& names) {
   for (const auto& [place, there] : WhereTheyAre(names))
-    if (!Run({place}, {StopScript(options_, there)}, nullptr)[0])
+    if (!Run({place}, {StopScript(options_, place->host, there)}, nullptr)[0])
       return {Code::kIo, place->host.name + ": " + place->failure};
   return Status::Ok();
 }
 
 void HostsEngine::Forget(const std::vector<std::string>& names) {
+  std::vector<Place*> places;
+  std::vector<std::string> scripts;
   for (const auto& [place, there] : WhereTheyAre(names)) {
+    places.push_back(place);
+    scripts.push_back(ForgetScript(options_, place->host, there));
     const std::set<std::string> gone(there.begin(), there.end());
     std::erase_if(place->workers, [&](const EngineWorker& worker) { return gone.contains(worker.name); });
-    Run({place}, {ForgetScript(options_, there)}, nullptr);
   }
+  Run(places, scripts, nullptr);
 }
 
 }  // namespace cairn::coordinator

@@ -22,7 +22,7 @@ struct HostsOptions {
   std::vector<Host> hosts;
   // The words that run a shell there, which reads its script.
   std::function<std::vector<std::string>(const Host&)> shell;
-  std::string folder;                // there; where it is relative, in the home
+  std::string folder;                // there, with one in it for each host; where it is relative, in the home
   std::string worker;                // the program there
   std::vector<std::string> options;  // that each worker gets: --connect ENDPOINT …
   std::string keys;                  // folder here, of NAME.key; empty: they need none
@@ -36,9 +36,10 @@ struct HostsOptions {
 // Scripts that a POSIX shell reads, and what they print.
 std::string StartScript(const HostsOptions& options, const Host& host,
                         const std::map<std::string, std::string>& keys);  // texts of key files, by name
-std::string ListScript(const HostsOptions& options);
-std::string StopScript(const HostsOptions& options, const std::vector<std::string>& names);
-std::string ForgetScript(const HostsOptions& options, const std::vector<std::string>& names);
+std::string ListScript(const HostsOptions& options, const Host& host);
+std::string StopScript(const HostsOptions& options, const Host& host, const std::vector<std::string>& names);
+std::string ForgetScript(const HostsOptions& options, const Host& host,
+                         const std::vector<std::string>& names);
 std::vector<EngineWorker> ReadList(const std::string& printed, const std::string& host);
 
 class HostsEngine : public Engine {

@@ -144,7 +144,7 @@ TEST(HostsEngine, GivesEachItsNameItsKeyAndItsShareOfTheMemory) {
   EXPECT_EQ(begun.str(),
             "--name w-1 --connect tcp://hub:7017 --task-memory-mb 100 --key w-1.key --server-key "
             "coordinator.pub\n");
-  const fs::path key = hosts.dir / "two" / "its workers" / "w-1.key";
+  const fs::path key = hosts.dir / "two" / "its workers" / "two" / "w-1.key";
   std::stringstream secret;
   secret << std::ifstream(key).rdbuf();
   EXPECT_EQ(secret.str(), "it's a secret\n");
@@ -159,8 +159,8 @@ TEST(HostsEngine, GivesEachItsNameItsKeyAndItsShareOfTheMemory) {
 TEST(HostsEngine, OfAProcessThatIsGoneItSaysSo) {
   Hosts hosts;
   HostsEngine engine(hosts.options);
-  fs::create_directories(hosts.dir / "one" / "its workers");
-  std::ofstream(hosts.dir / "one" / "its workers" / "w-1.pid") << "1 12345\n";
+  fs::create_directories(hosts.dir / "one" / "its workers" / "one");
+  std::ofstream(hosts.dir / "one" / "its workers" / "one" / "w-1.pid") << "1 12345\n";
   const auto list = engine.List();
   ASSERT_TRUE(list.ok());
   ASSERT_EQ(list.value().size(), 1U);
@@ -182,7 +182,7 @@ TEST(HostsEngine, AHostThatDoesNotAnswerIsLeftAloneAndTheOthersServe) {
   EXPECT_PRED_FORMAT2(testing::IsSubstring, "one is left alone for a while: sh: no route to host",
                       hosts.said);
   for (const std::string& name : engine.Start(Names(3, 6)).names)
-    EXPECT_TRUE(fs::exists(hosts.dir / "two" / "its workers" / (name + ".pid"))) << name;
+    EXPECT_TRUE(fs::exists(hosts.dir / "two" / "its workers" / "two" / (name + ".pid"))) << name;
   hosts.away.clear();
   ASSERT_TRUE(engine.List().ok());
   EXPECT_PRED_FORMAT2(testing::IsSubstring, "one answers again", hosts.said);

@@ -14,10 +14,11 @@ constexpr int kMostCores = 10'000;
 
 // Nothing that ssh would take for an option.
 bool IsHostName(const std::string& name) {
-  return !name.starts_with('-') && std::ranges::all_of(name, [](unsigned char c) {
-    return std::isalnum(c) != 0 ||
-           std::string_view("._-@:[]").find(static_cast<char>(c)) != std::string_view::npos;
-  });
+  return std::isalnum(static_cast<unsigned char>(name[0])) != 0 &&
+         std::ranges::all_of(name, [](unsigned char c) {
+           return std::isalnum(c) != 0 ||
+                  std::string_view("._-@:[]").find(static_cast<char>(c)) != std::string_view::npos;
+         });
 }
 
 }  // namespace

@@ -33,6 +33,13 @@ std::string ValueOf(const std::string& shown, const std::string& key) {
   return shown.substr(from, shown.find_first_of(" \n", from) - from);
 }
 
+bool IsOver(const std::string& state) {
+  for (const char* over :
+       {"PENDING", "RUNNING", "CONFIGURING", "SUSPENDED", "REQUEUED", "RESIZING", "SIGNALING", "STOPPED"})
+    if (state == over) return false;
+  return true;
+}
+
 }  // namespace
 
 std::string SlurmFailure(const ProgramOutput& output) {
@@ -98,13 +105,24 @@ Result<std::vector<EngineWorker>> SlurmEngine::List() {
   if (queue.exit_code != 0) return Status(Code::kIo, SlurmFailure(queue));
   std::map<std::string, std::string> ids;
   std::vector<EngineWorker> workers = ReadQueue(options_.prefix, queue.out, &ids);
+  // A queue that is short of some is believed where Slurm says of each that it is over.
   for (const auto& [name, id] : ids_) {
     if (ids.contains(name)) continue;
     const ProgramOutput shown = run_({{"scontrol", "-o", "show", "job", id}, ""});
+    const bool known = shown.exit_code == 0;
+    // A controller that cannot be reached knows nothing of any job.
+    if (shown.exit_code < 0 || shown.failure.find("contact") != std::string::npos)
+      return Status(Code::kIo, SlurmFailure(shown));
+    const std::string where = known ? ValueOf(shown.out, "BatchHost") : "";
+    if (known && !IsOver(ValueOf(shown.out, "JobState"))) {
+      ids[name] = id;
+      workers.push_back({.name = name, .where = where});
+      continue;
+    }
     ended_[name] = {.name = name,
                     .state = EngineWorker::State::kEnded,
-                    .where = shown.exit_code == 0 ? ValueOf(shown.out, "BatchHost") : "",
-                    .why = shown.exit_code == 0 ? WhyEnded(shown.out) : ""};
+                    .where = where,
+                    .why = known ? WhyEnded(shown.out) : ""};
   }
   ids_ = std::move(ids);
   for (const auto& [name, worker] : ended_) workers.push_back(worker);
