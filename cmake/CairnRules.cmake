@@ -56,7 +56,7 @@ set(CAIRN_LINKS_coordinator_store "schema(/.*)?|coordinator/core|SQLite::.*|Thre
 set(CAIRN_LINKS_coordinator_server "schema(/.*)?|coordinator/(core|store)|PkgConfig::CAIRN_MICROHTTPD")
 set(CAIRN_LINKS_coordinator_local "schema(/.*)?|coordinator/(core|store|server)|Threads::Threads")
 set(CAIRN_LINKS_coordinator_scale "schema")
-set(CAIRN_LINKS_coordinator_scale_engines "schema|coordinator/scale")
+set(CAIRN_LINKS_coordinator_scale_engines "schema|coordinator/scale|yaml-cpp(::.*)?|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli "schema(/.*)?|coordinator/cli/.*|CLI11::.*")
 set(CAIRN_LINKS_coordinator_cli_common "schema(/.*)?")
 set(CAIRN_LINKS_coordinator_cli_job_file

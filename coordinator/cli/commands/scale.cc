@@ -1,182 +1,22 @@
 // cairn scale: keeps as many workers as the service's jobs could use, on an engine that people have.
-#include <unistd.h>
-
-#include <array>
-#include <chrono>
-#include <csignal>
-#include <filesystem>
+#include <cerrno>
+#include <fstream>
+#include <sstream>
 #include <thread>
 
-#include "coordinator/cli/commands/allow_list_file.h"
-#include "coordinator/cli/commands/client_arguments.h"
-#include "coordinator/cli/commands/scale_keys.h"
+#include "coordinator/cli/commands/scale_keep.h"
 #include "coordinator/cli/common/failure.h"
-#include "coordinator/cli/common/folder_lock.h"
-#include "coordinator/cli/common/home.h"
-#include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/programs.h"
-#include "coordinator/cli/common/stop_signal.h"
-#include "coordinator/cli/output/console.h"
 #include "coordinator/scale/engines/hosts_engine.h"
+#include "coordinator/scale/engines/kubernetes_engine.h"
 #include "coordinator/scale/engines/slurm_engine.h"
-#include "coordinator/scale/engines/tunnels.h"
-#include "coordinator/scale/scaler.h"
-#include "schema/hash.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/regular_file.h"
-#include "schema/text.h"
-#include "schema/wire/keys.h"
 
 namespace cairn::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct ScaleArguments {
-  ClientArguments client;
-  coordinator::PolicyOptions policy{.least = 0, .most = 0};
-  std::string name;
-  std::string keys;     // folder of the coordinator's list
-  std::string address;  // where workers find the coordinator
-  std::string worker;   // the program
-  double every_s = 2;
-  int drain_s = 60;
-  std::uint64_t task_memory_mb = 0;
-  bool until_done = false, down = false;
-  // ssh
-  std::string hosts;
-  std::vector<std::string> ssh_options;
-  int tunnel_port = 0;
-  // Slurm
-  std::string folder, partition;
-  std::vector<std::string> sbatch;
-};
-
-// What all engines share, made of what was asked for.
-struct Scale {
-  std::string endpoint;  // of the coordinator, as this command reaches it
-  std::string address;   // as workers do
-  bool keyed = false;
-  std::string prefix;
-  fs::path folder;  // of this command's, for this service
-  std::string server_key;
-  std::vector<std::string> worker_options;
-};
-
-// What is a machine's own loopback is another service on each.
-std::string ServiceTag(const std::string& endpoint) {
-  Hasher hasher;
-  hasher.Add(std::string_view(endpoint));
-  if (endpoint.starts_with("tcp://127.") || endpoint.starts_with("tcp://localhost") ||
-      endpoint.starts_with("tcp://[::1]")) {
-    std::array<char, 256> host{};
-    ::gethostname(host.data(), host.size() - 1);
-    hasher.Add(std::string_view(host.data()));
-    hasher.Add(std::string_view(HomeFolder()));
-  }
-  return hasher.Finish().Hex().substr(0, 4);
-}
-
-void MakeFolder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!error) fs::permissions(folder, fs::perms::owner_all, error);
-  if (error) Throw(SystemFailure(folder, "cannot make the folder", error.value()));
-}
-
-std::string WhatIsWrongWithTag(const std::string& name) {
-  const bool plain = !name.empty() && name.size() <= 40 && std::ranges::all_of(name, [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '_';
-  });
-  return plain ? "" : "has other characters than letters, digits and '_', or more than 40";
-}
-
-Scale Prepare(const ScaleArguments& options, const std::string& engine) {
-  if (options.policy.least > options.policy.most)
-    throw InputError("--min " + std::to_string(options.policy.least) + " is more than --max " +
-                     std::to_string(options.policy.most));
-  Scale scale;
-  scale.endpoint = options.client.connect.empty() ? DefaultEndpoint() : options.client.connect;
-  scale.address = options.address.empty() ? scale.endpoint : options.address;
-  scale.keyed = scale.address.starts_with("tcp://");
-  if (engine != "local" && !scale.keyed)
-    throw InputError("workers on other machines reach the coordinator by tcp://HOST:PORT, not " +
-                     scale.address);
-  const std::string tag = engine + "-" + (options.name.empty() ? ServiceTag(scale.endpoint) : options.name);
-  scale.prefix = tag + "-";
-  scale.folder =
-      options.folder.empty() ? fs::path(HomeFolder()) / "scale" / tag : fs::absolute(options.folder) / tag;
-  MakeFolder(scale.folder / "keys");
-  if (scale.keyed)
-    scale.server_key = Take(wire::ReadPublicKey(
-        options.client.server_key.empty() ? DefaultKey("coordinator.pub") : options.client.server_key));
-  scale.worker_options = {"--connect", scale.address, "--drain-s", std::to_string(options.drain_s)};
-  if (options.task_memory_mb > 0) {
-    scale.worker_options.emplace_back("--task-memory-mb");
-    scale.worker_options.push_back(std::to_string(options.task_memory_mb));
-  }
-  return scale;
-}
-
-std::unique_ptr<coordinator::WorkerKeys> MakeKeys(const ScaleArguments& options, const Scale& scale) {
-  if (!scale.keyed) return std::make_unique<NoKeys>();
-  const fs::path keys = options.keys.empty() ? fs::path(ConfigFolder()) : fs::path(options.keys);
-  if (!fs::exists(keys / kAllowListName))
-    throw InputError(
-        (keys / kAllowListName).string() +
-        " is not there: run this where the coordinator has its list of keys (--keys), each worker gets a "
-        "key of its own");
-  return std::make_unique<ListedKeys>(keys / kAllowListName, scale.folder / "keys", scale.prefix);
-}
-
-class ClientService : public coordinator::ScaledService {
- public:
-  explicit ClientService(const ClientArguments& client) : client_(ConnectClient(client)) {}
-  Result<coordinator::ScaleFacts> Ask() override {
-    Result<coordinator::FleetFacts> fleet = client_.Fleet();
-    if (!fleet.ok()) return fleet.status();
-    return coordinator::ScaleFacts{std::move(fleet.value().workers), std::move(fleet.value().demand)};
-  }
-  cairn::Status Drain(std::uint64_t worker) override {
-    const auto told = client_.Drain(worker);
-    return told.ok() ? cairn::Status::Ok() : told.status();
-  }
-
- private:
-  coordinator::Client client_;
-};
-
-int Keep(const ScaleArguments& options, const Scale& scale, coordinator::Engine& engine, Console& console,
-         coordinator::Tunnels* tunnels) {
-  const FolderLock lock(scale.folder, "another `cairn scale` looks after these workers (" +
-                                          scale.folder.string() +
-                                          "): stop it, or give this one another --name");
-  std::signal(SIGPIPE, SIG_IGN);
-  const std::unique_ptr<coordinator::WorkerKeys> keys = MakeKeys(options, scale);
-  ClientService service(options.client);
-  // What is wrong from the beginning ends it; what goes wrong later is waited for.
-  Take(service.Ask());
-  Take(engine.List());
-  coordinator::Scaler scaler({.policy = options.policy,
-                              .prefix = scale.prefix,
-                              .until_done = options.until_done,
-                              .leave = options.down},
-                             engine, service, *keys, console.Sink());
-  const std::atomic<bool>& stop = StopOnSignals();
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point begin = Clock::now();
-  while (!stop) {
-    if (tunnels != nullptr) tunnels->Keep();
-    scaler.Turn(std::chrono::duration<double>(Clock::now() - begin).count());
-    if (scaler.over()) return kExitDone;
-    const auto next = Clock::now() + std::chrono::duration<double>(options.every_s);
-    while (!stop && Clock::now() < next) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
-  if (scaler.workers() > 0)
-    console.Log(Console::Level::kInfo,
-                "ends; its workers go on: the same command finds them again, and with --down lets them go");
-  return kExitDone;
-}
 
 Invocation Talkative(const Invocation& call) {
   Invocation talkative = call;
@@ -201,14 +41,14 @@ int ScaleLocal(const ScaleArguments& given, const Invocation& call) {
   const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   if (options.policy.most == 0) options.policy.most = cores;
   options.worker = options.worker.empty() ? WorkerProgram() : fs::absolute(options.worker).string();
-  const Scale scale = Prepare(options, "local");
+  const Scale scale = PrepareScale(options, "local");
   Console console(Talkative(call));
   coordinator::HostsOptions hosts = HostsOf(options, scale, console);
   hosts.hosts = {{"this machine", options.policy.most, 0}};
   hosts.shell = [](const coordinator::Host&) { return std::vector<std::string>{"sh", "-s"}; };
   hosts.folder = (scale.folder / "workers").string();
   coordinator::HostsEngine engine(std::move(hosts));
-  return Keep(options, scale, engine, console, nullptr);
+  return KeepScale(options, scale, engine, console, nullptr);
 }
 
 // Nobody is there to be asked, and a host that is silent is away.
@@ -260,7 +100,7 @@ int ScaleSsh(const ScaleArguments& given, const Invocation& call) {
   if (options.policy.most == 0) options.policy.most = cores;
   if (options.worker.empty()) options.worker = "cairn-worker";
   if (options.tunnel_port > 0) options.address = "tcp://127.0.0.1:" + std::to_string(options.tunnel_port);
-  const Scale scale = Prepare(options, "ssh");
+  const Scale scale = PrepareScale(options, "ssh");
   Console console(Talkative(call));
   std::unique_ptr<coordinator::Tunnels> tunnels;
   if (options.tunnel_port > 0) {
@@ -280,7 +120,7 @@ int ScaleSsh(const ScaleArguments& given, const Invocation& call) {
   };
   hosts.folder = ".cairn/scale/" + scale.folder.filename().string();
   coordinator::HostsEngine engine(std::move(hosts));
-  return Keep(options, scale, engine, console, tunnels.get());
+  return KeepScale(options, scale, engine, console, tunnels.get());
 }
 
 int ScaleSlurm(const ScaleArguments& given, const Invocation& call) {
@@ -288,7 +128,7 @@ int ScaleSlurm(const ScaleArguments& given, const Invocation& call) {
   options.worker = options.worker.empty() ? WorkerProgram() : fs::absolute(options.worker).string();
   if (!options.partition.empty())
     options.sbatch.insert(options.sbatch.begin(), "--partition=" + options.partition);
-  const Scale scale = Prepare(options, "slurm");
+  const Scale scale = PrepareScale(options, "slurm");
   Check(WriteTextAtomically(scale.folder / "keys" / "coordinator.pub", scale.server_key + "\n"));
   Console console(Talkative(call));
   coordinator::SlurmEngine engine({.prefix = scale.prefix,
@@ -298,45 +138,41 @@ int ScaleSlurm(const ScaleArguments& given, const Invocation& call) {
                                    .keyed = scale.keyed,
                                    .sbatch = options.sbatch,
                                    .drain_s = options.drain_s});
-  return Keep(options, scale, engine, console, nullptr);
+  return KeepScale(options, scale, engine, console, nullptr);
 }
 
-void AddCommon(Command command, ScaleArguments& options, bool needs_most) {
-  command.Add("--min", options.policy.least, "Workers that stay, whatever there is to do")
-      .Within(0, 1'000'000)
-      .ShowDefault();
-  const Argument most = command.Add(
-      "--max", options.policy.most,
-      needs_most ? "Most workers at a time" : "Most workers at a time (as many as there are cores)");
-  most.Within(1, 1'000'000);
-  if (needs_most) most.Required();
-  command.Add("--work-s", options.policy.work_s, "So many seconds of work are worth one worker more")
-      .Within(0.001, 1e9)
-      .ShowDefault();
-  command.Add("--idle-s", options.policy.idle_s, "A worker that had nothing to do for so long is drained")
-      .Within(0.0, 1e9)
-      .ShowDefault();
-  command.Add("--cool-down-s", options.policy.cool_down_s, "None is drained so soon after one was started")
-      .Within(0.0, 1e9)
-      .ShowDefault();
-  command.Add("--every-s", options.every_s, "It looks so often").Within(0.05, 3600.0).ShowDefault();
-  command.Add("--drain-s", options.drain_s, "What a worker that is ended gets to finish its task")
-      .Within(0, 100'000)
-      .ShowDefault();
-  command
-      .Add("--task-memory-mb", options.task_memory_mb,
-           "Limit on the memory of a task, for each worker (0: none)")
-      .Within(std::uint64_t{0}, std::uint64_t{1'000'000'000});
-  command.AddFlag("--until-done", options.until_done, "End once no job runs and all workers are gone");
-  command.AddFlag("--down", options.down, "Start none, drain all, and end once they are gone");
-  command.Add("--name", options.name, "Part of its workers' names, where there are two for one service")
-      .Check(WhatIsWrongWithTag);
-  command.Add("--worker", options.worker, "The program cairn-worker, as it is called there");
-  AddClientArguments(command, options.client);
-  command.Add("--address", options.address,
-              "The coordinator, as workers reach it, where that is not --connect");
-  command.Add("--keys", options.keys, "Folder of the coordinator's list of keys (tcp: ~/.config/cairn)")
-      .ExistingFolder();
+// Pods are called as their workers, and Kubernetes takes no other names.
+void CheckPodNames(const ScaleArguments& options) {
+  constexpr std::size_t kMost = 30;
+  const bool plain = options.name.size() <= kMost && std::ranges::all_of(options.name, [](char c) {
+                       return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+                     });
+  if (!plain)
+    throw InputError("--name " + options.name +
+                     ": names of pods have small letters and digits alone, here at most " +
+                     std::to_string(kMost));
+}
+
+int ScaleKubernetes(const ScaleArguments& options, const Invocation& call) {
+  CheckPodNames(options);
+  const Scale scale = PrepareScale(options, "kubernetes");
+  Check(WriteTextAtomically(scale.folder / "keys" / "coordinator.pub", scale.server_key + "\n"));
+  Console console(Talkative(call));
+  coordinator::KubernetesOptions kubernetes;
+  if (!options.context.empty()) kubernetes.kubectl.push_back("--context=" + options.context);
+  if (!options.name_space.empty()) kubernetes.kubectl.push_back("--namespace=" + options.name_space);
+  kubernetes.template_file = options.pod_template.empty() ? "the template" : options.pod_template;
+  kubernetes.pod_template =
+      options.pod_template.empty() ? coordinator::DefaultPodTemplate() : ReadText(options.pod_template);
+  kubernetes.pod = {.label = scale.folder.filename().string(),
+                    .image = options.image,
+                    .worker = options.worker,
+                    .options = scale.worker_options,
+                    .keyed = scale.keyed,
+                    .drain_s = options.drain_s};
+  kubernetes.keys = (scale.folder / "keys").string();
+  coordinator::KubernetesEngine engine(std::move(kubernetes));
+  return KeepScale(options, scale, engine, console, nullptr);
 }
 
 }  // namespace
@@ -350,7 +186,7 @@ void AddScale(Command app, Invocation& call) {
   Command command;
   auto options = AddCommand<ScaleArguments>(scale, call, "local", "Workers on this machine",
                                             "cairn scale local --max 8 --min 1", ScaleLocal, &command);
-  AddCommon(command, *options, false);
+  AddScaleOptions(command, *options, false);
 
   options = AddCommand<ScaleArguments>(scale, call, "ssh", "Workers on hosts that ssh reaches without asking",
                                        "cairn scale ssh --hosts hosts.txt --connect tcp://hub:7017", ScaleSsh,
@@ -361,7 +197,7 @@ void AddScale(Command app, Invocation& call) {
            "Workers reach the coordinator through ssh, at this port of their own machine")
       .Within(1, 65535);
   command.Add("--ssh-option", options->ssh_options, "NAME=VALUE, as ssh -o; again for another").OneEachTime();
-  AddCommon(command, *options, false);
+  AddScaleOptions(command, *options, false);
 
   options =
       AddCommand<ScaleArguments>(scale, call, "slurm", "Workers as elements of job arrays of a Slurm cluster",
@@ -373,7 +209,19 @@ void AddScale(Command app, Invocation& call) {
       .OneEachTime();
   command.Add("--folder", options->folder,
               "For keys and logs, on a file system that all nodes see (~/.cairn/scale)");
-  AddCommon(command, *options, true);
+  AddScaleOptions(command, *options, true);
+
+  options =
+      AddCommand<ScaleArguments>(scale, call, "kubernetes", "Workers as pods of a Kubernetes cluster",
+                                 "cairn scale kubernetes --max 200 --image registry.example/cairn:0.1.0 "
+                                 "--connect tcp://hub:7017",
+                                 ScaleKubernetes, &command);
+  command.Add("--image", options->image, "The workers' image (the template's)");
+  command.Add("--template", options->pod_template,
+              "File: a pod, of which all are made (deploy/kubernetes/worker-pod.yaml)");
+  command.Add("--namespace", options->name_space, "Where in the cluster (kubectl's own)");
+  command.Add("--context", options->context, "Which cluster (kubectl's own)");
+  AddScaleOptions(command, *options, true);
 }
 
 }  // namespace cairn::cli
