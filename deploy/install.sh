@@ -4,7 +4,7 @@
 #   deploy/install.sh          what the build and the release tests need
 #   deploy/install.sh --dev    also what ./deploy/test.sh --all needs: clang-format, clang-tidy, h5py, OctoMap
 #   deploy/install.sh --arm64  also what ./deploy/arm64.sh needs: a cross compiler, qemu-user
-#   deploy/install.sh --cluster  also what the tests of ssh and Slurm need, daemons among it: sshd, munged, slurmctld, slurmd
+#   deploy/install.sh --cluster  also what the tests of ssh, Slurm and Kubernetes need, daemons among it: sshd, munged, slurmctld, slurmd
 #   deploy/install.sh --list   installs nothing, prints the packages of the first line
 #
 # Runs as root, or as a user with sudo. The lists below are the whole of it: cmake/CairnDependencies.cmake finds the
@@ -32,6 +32,8 @@ dev_packages=(
 )
 
 cluster_packages=(openssh-server openssh-client iproute2 slurmctld slurmd slurm-client slurm-wlm-basic-plugins munge)
+# Another's kubectl is as good, and dpkg would not put this one in its place.
+command -v kubectl >/dev/null || cluster_packages+=(kubernetes-client)
 
 packages=("${build_packages[@]}")
 for argument in "$@"; do

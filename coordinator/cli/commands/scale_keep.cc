@@ -17,6 +17,7 @@
 #include "coordinator/cli/common/stop_signal.h"
 #include "coordinator/scale/scaler.h"
 #include "schema/hash.h"
+#include "schema/store/atomic_file.h"
 #include "schema/wire/keys.h"
 
 namespace cairn::cli {
