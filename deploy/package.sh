@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Makes Cairn's Debian package from the release build: programs, manual pages, completion for bash and zsh, services of
-# systemd. Prints where it is.
+# Makes Cairn's Debian packages from the release build: cairn has programs, manual pages, completion for bash and zsh, services
+# of systemd; cairn-images has what decodes images, with most of all libraries. Prints where they are, a line each.
 #
-#   deploy/package.sh              builds what is missing, makes the package
+#   deploy/package.sh              builds what is missing, makes the packages
 #   deploy/package.sh --tree DIR   of what is built in DIR, whole or in part: builds nothing
-#   deploy/package.sh --check      also installs it in a bare Debian, makes the README's first map there, purges it;
+#   deploy/package.sh --check      also installs them in a bare Debian, makes the README's first map there, purges them;
 #                                  needs root, mmdebstrap and Debian's packages
 #
-#   --out DIR      where the package goes (default: build/package)
+#   --out DIR      where they go (default: build/package)
 #   --folder DIR   where --check's Debian goes, 1 GB, until it is through (default: TMPDIR)
 #   --suite NAME   its name (default: bookworm)
 #
@@ -46,7 +46,7 @@ fi
 umask 022
 work=$(mktemp -d "${TMPDIR:-/tmp}/cairn-package.XXXXXX")
 trap 'rm -rf "$work"' EXIT
-stage=$work/stage share=$work/stage/usr/share
+stage=$work/stage share=$work/stage/usr/share images=$work/images
 version=$(sed -n 's/^CMAKE_PROJECT_VERSION:STATIC=//p' "$tree/CMakeCache.txt")
 release=1
 maintainer="${DEBFULLNAME:-The Cairn developers} <${DEBEMAIL:-cairn@example.org}>"
@@ -102,16 +102,15 @@ pages_and_completion() {
   for program in cairn-worker cairn-reproduce cairn-sim; do ln -s cairn "$bash/$program"; done
 }
 
-documents() {
-  local doc=$share/doc/cairn
-  install -d "$doc/docs" "$share/lintian/overrides"
-  install -m 644 README.md CITATION.cff deploy/package/debian/copyright "$doc"
-  install -m 644 docs/*.md "$doc/docs"
-  install -D -m 644 -t "$doc/deploy/monitoring" deploy/monitoring/{rules.yml,dashboard.json}
-  install -m 644 deploy/package/debian/lintian-overrides "$share/lintian/overrides/cairn"
+# papers STAGE PACKAGE: what Debian demands of each.
+papers() {
+  local doc=$1/usr/share/doc/$2
+  install -d "$doc" "$1/usr/share/lintian/overrides"
+  install -m 644 deploy/package/debian/copyright "$doc"
+  sed "s/^cairn:/$2:/" deploy/package/debian/lintian-overrides >"$1/usr/share/lintian/overrides/$2"
   gzip -9n <CHANGELOG.md >"$doc/changelog.gz"
   gzip -9n >"$doc/changelog.Debian.gz" <<TEXT
-cairn ($version-$release) unstable; urgency=medium
+$2 ($version-$release) unstable; urgency=medium
 
   * Made by deploy/package.sh; changelog.gz says what is new in Cairn.
 
@@ -119,32 +118,59 @@ cairn ($version-$release) unstable; urgency=medium
 TEXT
 }
 
+documents() {
+  local doc=$share/doc/cairn
+  papers "$stage" cairn
+  install -d "$doc/docs" "$doc/kubernetes"
+  install -m 644 README.md CITATION.cff "$doc"
+  install -m 644 docs/*.md "$doc/docs"
+  install -D -m 644 -t "$doc/deploy/monitoring" deploy/monitoring/{rules.yml,dashboard.json}
+  cp -r --no-preserve=mode deploy/kubernetes/* "$doc/kubernetes"
+}
+
+# What decodes images is a package of its own: cairn without it takes a third of the libraries.
+split_images() {
+  install -d "$images/usr/bin" "$images/usr/share/man/man1"
+  mv "$stage/usr/bin/cairn-images" "$images/usr/bin"
+  mv "$share/man/man1/cairn-images.1.gz" "$images/usr/share/man/man1"
+  papers "$images" cairn-images
+}
+
 services() {
   install -D -m 644 -t "$stage/lib/systemd/system" deploy/package/systemd/*.service
   install -D -m 644 -t "$stage/etc/cairn" deploy/package/systemd/*.env
 }
 
-make_package() {
+# pack STAGE PACKAGE DEPENDS: it needs these beside libraries.
+pack() {
+  SOURCE_DATE_EPOCH=$epoch PACKAGE=$2 DEPENDS=$3 cpack --config deploy/package/cpack.cmake -B "$out" -R "$version" \
+    -D CPACK_DEBIAN_PACKAGE_RELEASE=$release -D CPACK_PACKAGE_CONTACT="$maintainer" \
+    -D CPACK_INSTALLED_DIRECTORIES="$1;/" >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "cpack failed"; }
+  rm -rf "$out/_CPack_Packages"
+}
+
+make_packages() {
   DESTDIR=$stage cmake --install "$tree" --prefix /usr --strip >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "not built"; }
   pages_and_completion
   documents
   services
+  split_images
   mkdir -p "$out"
-  SOURCE_DATE_EPOCH=$epoch cpack --config deploy/package/cpack.cmake -B "$out" -R "$version" \
-    -D CPACK_DEBIAN_PACKAGE_RELEASE=$release -D CPACK_PACKAGE_CONTACT="$maintainer" \
-    -D CPACK_INSTALLED_DIRECTORIES="$stage;/" >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "cpack failed"; }
-  rm -rf "$out/_CPack_Packages"
+  pack "$stage" cairn adduser
+  pack "$images" cairn-images "cairn (= $version-$release)"
 }
 
 say "packing"
-make_package
-package=$out/cairn_$version-${release}_$(dpkg --print-architecture).deb
-echo "$package"
+make_packages
+architecture=$(dpkg --print-architecture)
+packages=("$out/cairn_$version-${release}_$architecture.deb" "$out/cairn-images_$version-${release}_$architecture.deb")
+printf '%s\n' "${packages[@]}"
 if $check; then
-  say "trying it in a bare Debian ($suite)"
+  say "trying them in a bare Debian ($suite)"
   mkdir -p "$folder"
   TMPDIR=$folder mmdebstrap --quiet --variant=minbase --format=null \
-    --customize-hook="copy-in '$package' deploy/package/check.sh /opt" \
-    --customize-hook="chroot \"\$1\" bash /opt/check.sh /opt/$(basename "$package") >&2" "$suite"
-  say "installs, maps, and leaves nothing behind"
+    --customize-hook="copy-in '${packages[0]}' '${packages[1]}' deploy/package/check.sh /opt" \
+    --customize-hook="chroot \"\$1\" bash /opt/check.sh /opt/$(basename "${packages[0]}") /opt/$(basename "${packages[1]}") >&2" \
+    "$suite"
+  say "install, map, and leave nothing behind"
 fi

@@ -6,10 +6,13 @@ command -v lintian >/dev/null && command -v man >/dev/null && command -v dpkg-sh
   skip "needs lintian, man (man-db) and dpkg-shlibdeps (dpkg-dev)"
 
 exits 0 "$CAIRN_SOURCE/deploy/package.sh" --tree "${CAIRN_BUILD:?}" --out "$work/out"
-package=$(cat stdout)
-[ -s "$package" ] || die "no package where it says that it is: '$package'"
-lintian --allow-root --fail-on error,warning "$package" >lintian.log 2>&1 || die "lintian: $(cat lintian.log)"
+{ read -r package && read -r images; } <stdout || die "not two packages: $(cat stdout)"
+for file in "$package" "$images"; do
+  [ -s "$file" ] || die "no package where it says that it is: '$file'"
+  lintian --allow-root --fail-on error,warning "$file" >lintian.log 2>&1 || die "lintian: $(cat lintian.log)"
+done
 dpkg-deb -R "$package" root
+dpkg-deb -R "$images" images
 share=$work/root/usr/share
 
 # field NAME PATTERN: that field of the package.
@@ -18,11 +21,19 @@ field Version "^$(cairn --version | grep -oE '[0-9]+\.[0-9]+\.[0-9]+' | head -n 
 field Section '^science$'
 field Maintainer '^[^<>]+ <[^ ]+@[^ ]+>$'
 for library in libc6 libhdf5 libzmq5 libprotobuf libopencv-core adduser; do field Depends "(^|, )$library"; done
+# What decodes images is apart, for it needs most of all libraries.
+! dpkg-deb -f "$package" Depends | grep -q imgcodecs || die "cairn depends on what only images need"
+field Suggests '^cairn-images$'
+[[ $(dpkg-deb -f "$images" Depends) =~ libopencv-imgcodecs ]] || die "cairn-images does without its libraries"
+[[ $(dpkg-deb -f "$images" Depends) = *"cairn (= $(dpkg-deb -f "$package" Version))"* ]] || die "cairn-images takes any cairn"
+[ "$(cd images && find usr/bin usr/share/man -type f | sort | xargs)" = 'usr/bin/cairn-images usr/share/man/man1/cairn-images.1.gz' ] ||
+  die "cairn-images has something else: $(find images -type f)"
+[ ! -e images/DEBIAN/postinst ] || die "cairn-images has scripts"
 diff <(dpkg-deb -f "$package" Architecture) <(dpkg --print-architecture) || die "another architecture"
 
 cmake --install "$CAIRN_BUILD" --prefix "$work/plain" >/dev/null
-diff <(ls root/usr/bin) <(ls plain/bin) || die "not the programs that cmake --install installs"
-for file in root/usr/bin/*; do ! grep -q RUNPATH <(readelf -d "$file") || die "$file looks for libraries where it was built"; done
+diff <(ls root/usr/bin images/usr/bin | grep '^cairn' | sort) <(ls plain/bin) || die "not the programs that cmake --install installs"
+for file in {root,images}/usr/bin/*; do ! grep -q RUNPATH <(readelf -d "$file") || die "$file looks for libraries where it was built"; done
 for file in README.md copyright changelog.gz changelog.Debian.gz docs/fleet.md docs/my-own-log.md; do
   [ -s "$share/doc/cairn/$file" ] || die "it has no $file"
 done
@@ -31,11 +42,12 @@ diff <(sort root/DEBIAN/conffiles) <(cd root && find etc -type f | sed 's|^|/|' 
 ! grep -qvE '^(#|$)' root/etc/cairn/* || die "a setting is set"
 
 # Every command has its page, every page its command, and each leads to the others.
-exits 0 man --warnings -l "$share"/man/man1/*.gz
+manual=("$share"/man/man1/*.gz images/usr/share/man/man1/*.gz)
+exits 0 man --warnings -l "${manual[@]}"
 [ ! -s stderr ] || die "manual pages with warnings"
-zcat "$share"/man/man1/*.gz >pages
+zcat "${manual[@]}" >pages
 sed -n 's/\\-/-/g; s/^\.BR \(.*\) (1).*/\1/p' pages | sort -u >named
-diff named <(basename -a -s .1.gz "$share"/man/man1/* | sort) || die "SEE ALSO and pages differ"
+diff named <(basename -a -s .1.gz "${manual[@]}" | sort) || die "SEE ALSO and pages differ"
 for command in $(cairn --help | awk '/^Subcommands:/ {on = 1; next} /^$/ {on = 0} on && /^  [a-z]/ {print $1}'); do
   grep -qx "cairn-$command" named || die "cairn $command has no page"
 done
@@ -61,7 +73,7 @@ completes 'import' cairn help im
 completes '' cairn run job.yaml --out ''
 completes "$(xargs <options)" cairn import csv --
 for program in root/usr/bin/*; do
-  [ -e "$share/bash-completion/completions/${program##*/}" ] || [[ $program = *-images ]] || die "bash knows no $program"
+  [ -e "$share/bash-completion/completions/${program##*/}" ] || die "bash knows no $program"
 done
 if command -v zsh >/dev/null; then
   # zsh's own helpers, in so far as they show what they are given.

@@ -30,13 +30,14 @@ std::string Drain(int fd) {
   }
 }
 
-std::string ProgramBesideThis(const std::string& name) {
+// `how`: what to do where it is missing.
+std::string ProgramBesideThis(const std::string& name, const std::string& how = "") {
   std::error_code error;
   const fs::path self = fs::read_symlink("/proc/self/exe", error);
   if (error) throw WorldError("cannot find out where this program lies: " + error.message());
   const fs::path program = self.parent_path() / name;
   if (!fs::exists(program))
-    throw WorldError(name + " is missing; it belongs beside this program: " + program.string());
+    throw WorldError(name + " is missing; it belongs beside this program: " + program.string() + how);
   return program.string();
 }
 
@@ -51,7 +52,9 @@ int WaitFor(pid_t pid) {
 
 std::string WorkerProgram() { return ProgramBesideThis("cairn-worker"); }
 
-std::string ImagesProgram() { return ProgramBesideThis("cairn-images"); }
+std::string ImagesProgram() {
+  return ProgramBesideThis("cairn-images", " (Debian: the package cairn-images)");
+}
 
 std::string OutputOf(const std::string& program, const std::vector<std::string>& arguments) {
   std::vector<char*> argv = {const_cast<char*>(program.c_str())};
