@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# Workers by a real kubectl, on a cluster that is this test's own (kubernetes_cluster.py): a pod is a process here. A pod that
+# is killed, one that is deleted, a quota; the same bits, and no pod, Secret or key in the end.
+source "${CAIRN_SOURCE:?}/tests/end_to_end/common.sh"
+command -v kubectl >/dev/null && command -v python3 >/dev/null || skip "needs kubectl and python3 (deploy/install.sh --cluster)"
+# A port that nobody has, twice.
+ports() { python3 -c 'import socket; a, b = socket.socket(), socket.socket(); a.bind(("127.0.0.1", 0)); b.bind(("127.0.0.1", 0)); print(a.getsockname()[1], b.getsockname()[1])'; }
+read -r api hub <<<"$(ports)"
+leave() {
+  local code=$?
+  [ "$code" -eq 0 ] || tail -n 20 scale.log cluster.log >&2
+  (exit "$code")
+  cleanup
+}
+trap leave EXIT
+cat >kubeconfig <<TEXT
+{apiVersion: v1, kind: Config, current-context: here,
+ clusters: [{name: here, cluster: {server: "http://127.0.0.1:$api"}}],
+ contexts: [{name: here, context: {cluster: here, user: nobody, namespace: default}}],
+ users: [{name: nobody, user: {}}]}
+TEXT
+export KUBECONFIG=$work/kubeconfig
+for name in coordinator client; do exits 0 cairn keys new "$name" --dir keys; done
+exits 0 cairn keys allow keys/client.pub --as submitter --dir keys
+service=(--connect "tcp://127.0.0.1:$hub" --key keys/client.key --server-key keys/coordinator.pub)
+client() { local command=$1; shift; cairn "$command" "$@" "${service[@]}"; }
+scale() {
+  cairn scale kubernetes --max 4 --keys keys --name test --work-s 0.01 --idle-s 1 --cool-down-s 0 --every-s 0.3 --drain-s 20 \
+    --worker "$CAIRN_BIN/cairn-worker" "${service[@]}" "$@"
+}
+simulate log.h5
+exits 0 cairn run landmark_map log.h5 --set cell_m=0.15 --out here --workers 2
+cairn coordinator --store store --listen "tcp://127.0.0.1:$hub" --keys keys >hub.log 2>&1 &
+until_true 20 client list >list.log 2>&1
+
+# A cluster that does not answer is said as kubectl says it.
+exits 1 scale
+says 'kubectl: .*refused'
+
+mkdir pods
+python3 "$CAIRN_SOURCE/tests/faults/kubernetes_cluster.py" "$api" "$work/pods" >cluster.log 2>&1 &
+until_true 20 kubectl get pods >list.log 2>&1
+printf '%s\n' 'name: first' 'inputs: {log: log.h5}' \
+  'stages: [{name: landmark_map, pipeline: landmark_map, log: log, options: {cell_m: 0.15}}]' >first.yaml
+exits 0 client submit first.yaml --json
+id=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
+scale --until-done >scale.log 2>&1 &
+scaler=$!
+connected() { client list 2>/dev/null | grep -qE "^($1|[1-9][0-9]) workers"; }
+until_true 60 connected 3
+grep -q 'exceeded quota' scale.log || die "four fit where three may be"
+names=(pods/*.log)
+first=$(basename "${names[0]}" .log) second=$(basename "${names[1]}" .log)
+[[ $first = kubernetes-test-* ]] || die "a pod is called $first"
+[ "$(stat -c %a "pods/$first/worker.key")" = 600 ] || die "others may read its key"
+for pid in $(pgrep -P "$(pgrep -f "kubernetes_cluster.py $api" | head -n 1)" -f -- "--name $first"); do kill -9 "$pid"; done
+exits 0 kubectl delete pod "$second" --wait=false
+exits 0 client watch "$id"
+wait "$scaler" || die "scale ended with $?"
+grep -qE "$first on here has ended: exit code 137" scale.log || die "it does not say how $first ended"
+exits 0 client results "$id" --out there
+same_bits here there
+for what in pods secrets; do
+  exits 0 kubectl get "$what" -l cairn-scale=kubernetes-test -o name
+  [ ! -s stdout ] || die "$what are left: $(cat stdout)"
+done
+! grep -q ' worker kubernetes-' keys/allowed || die "keys are left: $(cat keys/allowed)"
