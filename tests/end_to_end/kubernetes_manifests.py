@@ -64,6 +64,7 @@ def look_at_container(who, container):
     look_at_command(who, container.get("command", ["cairn"]) + container.get("args", []))
     for probe in ("startupProbe", "readinessProbe", "livenessProbe"):
         demand(probe in container or container["name"] != "coordinator", f"{who}: no {probe}")
+        demand("tcpSocket" not in container.get(probe, {}), f"{who}: a {probe} that is counted as refused")
         look_at_command(who, container.get(probe, {}).get("exec", {}).get("command"))
 
 
