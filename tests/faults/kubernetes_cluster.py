@@ -6,6 +6,7 @@ the template's other container copies. No scheduler, no images, no rights: that 
 """
 
 import json
+import os
 import pathlib
 import signal
 import subprocess
@@ -146,4 +147,5 @@ class Handler(BaseHTTPRequestHandler):
         print(form % arguments, flush=True)
 
 
+(FOLDER / "pid").write_text(f"{os.getpid()}\n")
 ThreadingHTTPServer(("127.0.0.1", PORT), Handler).serve_forever()

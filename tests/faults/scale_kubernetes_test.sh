@@ -8,6 +8,8 @@ ports() { python3 -c 'import socket; a, b = socket.socket(), socket.socket(); a.
 read -r api hub <<<"$(ports)"
 leave() {
   local code=$?
+  # Its pods are no children of this shell, nor is it, where python3 is a script that calls another.
+  [ ! -s pods/pid ] || { pgrep -P "$(cat pods/pid)" || true; cat pods/pid; } | xargs -r kill -9
   [ "$code" -eq 0 ] || tail -n 20 scale.log cluster.log >&2
   (exit "$code")
   cleanup
@@ -53,7 +55,7 @@ names=(pods/*.log)
 first=$(basename "${names[0]}" .log) second=$(basename "${names[1]}" .log)
 [[ $first = kubernetes-test-* ]] || die "a pod is called $first"
 [ "$(stat -c %a "pods/$first/worker.key")" = 600 ] || die "others may read its key"
-for pid in $(pgrep -P "$(pgrep -f "kubernetes_cluster.py $api" | head -n 1)" -f -- "--name $first"); do kill -9 "$pid"; done
+for pid in $(pgrep -P "$(cat pods/pid)" -f -- "--name $first"); do kill -9 "$pid"; done
 exits 0 kubectl delete pod "$second" --wait=false
 exits 0 client watch "$id"
 wait "$scaler" || die "scale ended with $?"
