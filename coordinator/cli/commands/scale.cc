@@ -1,7 +1,4 @@
 // cairn scale: keeps as many workers as the service's jobs could use, on an engine that people have.
-#include <cerrno>
-#include <fstream>
-#include <sstream>
 #include <thread>
 
 #include "coordinator/cli/commands/scale_keep.h"
@@ -17,6 +14,8 @@ namespace cairn::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kMostFileBytes = 1 << 20;  // of what a person writes
 
 Invocation Talkative(const Invocation& call) {
   Invocation talkative = call;
@@ -91,10 +90,9 @@ std::vector<std::string> TunnelWords(const ScaleArguments& options, const std::s
 }
 
 int ScaleSsh(const ScaleArguments& given, const Invocation& call) {
-  constexpr std::size_t kMostHostsBytes = 1 << 20;
   ScaleArguments options = given;
   const std::vector<coordinator::Host> list =
-      coordinator::ParseHosts(Take(ReadSmallFile(options.hosts, kMostHostsBytes)), options.hosts);
+      coordinator::ParseHosts(Take(ReadSmallFile(options.hosts, kMostFileBytes)), options.hosts);
   int cores = 0;
   for (const coordinator::Host& host : list) cores += host.cores;
   if (options.policy.most == 0) options.policy.most = cores;
@@ -162,8 +160,9 @@ int ScaleKubernetes(const ScaleArguments& options, const Invocation& call) {
   if (!options.context.empty()) kubernetes.kubectl.push_back("--context=" + options.context);
   if (!options.name_space.empty()) kubernetes.kubectl.push_back("--namespace=" + options.name_space);
   kubernetes.template_file = options.pod_template.empty() ? "the template" : options.pod_template;
-  kubernetes.pod_template =
-      options.pod_template.empty() ? coordinator::DefaultPodTemplate() : ReadText(options.pod_template);
+  kubernetes.pod_template = options.pod_template.empty()
+                                ? coordinator::DefaultPodTemplate()
+                                : Take(ReadSmallFile(options.pod_template, kMostFileBytes));
   kubernetes.pod = {.label = scale.folder.filename().string(),
                     .image = options.image,
                     .worker = options.worker,
