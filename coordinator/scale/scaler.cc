@@ -126,7 +126,10 @@ void Scaler::CountListed(const std::vector<EngineWorker>& listed, double now_s) 
       if (NumberOf(worker.name) != 0 && TakeEnded(worker, now_s)) ended.push_back(worker.name);
       continue;
     }
-    if (!IsOurs(worker.name)) continue;
+    if (!IsOurs(worker.name)) {
+      if (NumberOf(worker.name) != 0) StopStray(worker.name, now_s);
+      continue;
+    }
     last_number_ = std::max(last_number_, NumberOf(worker.name));
     Life& life = lives_.try_emplace(worker.name, Life{.asked_s = now_s}).first->second;
     life.seen_s = now_s;
@@ -142,6 +145,17 @@ void Scaler::CountListed(const std::vector<EngineWorker>& listed, double now_s) 
       CountRunning(worker.name, life, now_s);
   }
   if (!ended.empty()) engine_.Forget(ended);
+}
+
+// One that was given up, and has lost its key: the service takes nothing of it, and it ends by itself, unless
+// it hangs.
+void Scaler::StopStray(const std::string& name, double now_s) {
+  constexpr std::size_t kMost = 10'000;  // a host may list what it likes
+  if (strays_.size() >= kMost) strays_.clear();
+  double& since_s = strays_.try_emplace(name, now_s).first->second;
+  if (now_s - since_s < options_.connect_s) return;
+  Try(engine_.Stop({name}));
+  strays_.erase(name);
 }
 
 // One that runs and is not connected.

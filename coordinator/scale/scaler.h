@@ -106,6 +106,7 @@ class Scaler {
   void CountRunning(const std::string& name, Life& life, double now_s);
   void Add(const std::string& name, std::uint64_t number, State state, double for_s);
   bool IsConnected(const std::string& name, double now_s) const;
+  void StopStray(const std::string& name, double now_s);
   bool TakeEnded(const EngineWorker& ended, double now_s);  // true: it may be forgotten
   void DropKeys(double now_s);
   PolicyOptions PolicyNow(bool has_work) const;
@@ -127,6 +128,7 @@ class Scaler {
   const LogSink log_;
 
   std::map<std::string, Life> lives_;
+  std::map<std::string, double> strays_;   // since when the engine lists them without a key
   std::map<std::uint64_t, Spell> spells_;  // of those that are connected, by number
   std::vector<ScaledWorker> ours_;         // at the last look
   std::vector<Ours> names_;                // parallel to it

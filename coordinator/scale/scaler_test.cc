@@ -328,6 +328,7 @@ TEST(Scaler, WithKeysANameAloneMakesNoWorkerOurs) {
   EXPECT_EQ(world.connected[0].state(), "idle");
   EXPECT_EQ(world.connected[1].state(), "idle");
   EXPECT_EQ(std::ranges::count(world.stopped, most), 0);
+  EXPECT_EQ(std::ranges::count(world.stopped, "w-5"), 1) << "it has no key, and does not end by itself";
 }
 
 TEST(Scaler, IsOverWhenAllIsDoneAndAllHaveGone) {
