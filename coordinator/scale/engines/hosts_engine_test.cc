@@ -1,6 +1,7 @@
 #include "coordinator/scale/engines/hosts_engine.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -58,7 +59,7 @@ struct Hosts {
                                       "trap 'echo told to go; exit 0' TERM\n"
                                       "until [ -e \""
                                    << (dir / "end").string()
-                                   << "\" ]; do sleep 0.05; done\n"
+                                   << "\" ] || ! [ -e \"$0\" ]; do sleep 0.05; done\n"
                                       "echo what went wrong; exit 2\n";
     fs::permissions(dir / "program", fs::perms::owner_all);
     options.hosts = {{"one", 2, 0}, {"two", 3, 300}};
@@ -73,7 +74,11 @@ struct Hosts {
     options.options = {"--connect", "tcp://hub:7017"};
     options.log = [this](Severity, const std::string& line) { said += line + "\n"; };
   }
-  ~Hosts() { std::ofstream(dir / "end") << "now"; }
+  ~Hosts() {
+    std::ofstream(dir / "end") << "now";
+    std::error_code ignored;
+    fs::remove_all(dir, ignored);
+  }
 
   std::vector<EngineWorker> ListUntil(Engine& engine,
                                       const std::function<bool(const std::vector<EngineWorker>&)>& is) {
@@ -92,7 +97,7 @@ struct Hosts {
     });
   }
 
-  const fs::path dir = fs::path(testing::TempDir()) / "hosts_engine";
+  const fs::path dir = fs::path(testing::TempDir()) / ("hosts_engine." + std::to_string(::getpid()));
   HostsOptions options;
   std::string away;  // that host does not answer
   std::string said;

@@ -2,6 +2,7 @@
 #include "coordinator/scale/engines/kubernetes_engine.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -40,7 +41,7 @@ KubernetesOptions ThePods() {
   options.kubectl = {"kubectl", "--namespace=maps"};
   options.pod_template = DefaultPodTemplate();
   options.template_file = "the template";
-  options.keys = testing::TempDir() + "/kubernetes_keys";
+  options.keys = testing::TempDir() + "/kubernetes_keys." + std::to_string(::getpid());
   options.pod = {.label = "w",
                  .image = "registry.example/cairn:7",
                  .options = {"--connect", "tcp://hub:7017"},

@@ -1,6 +1,9 @@
 #include "coordinator/scale/engines/programs.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
 
 namespace cairn::coordinator {
 namespace {
@@ -25,7 +28,7 @@ TEST(RunPrograms, GivesEachItsInputAndBringsWhatItSays) {
 
 // Each waits for what the other writes: one after the other they would wait for ever.
 TEST(RunPrograms, RunsThemSideBySide) {
-  const std::string dir = testing::TempDir() + "/side_by_side";
+  const std::string dir = testing::TempDir() + "/side_by_side." + std::to_string(::getpid());
   const auto meet = [&](const std::string& mine, const std::string& other) {
     return Program{{"sh", "-c",
                     "mkdir -p " + dir + "; : >" + dir + "/" + mine + "; until [ -e " + dir + "/" + other +
@@ -34,6 +37,7 @@ TEST(RunPrograms, RunsThemSideBySide) {
   };
   for (const ProgramOutput& output : RunPrograms({meet("a", "b"), meet("b", "a")}, kLong_s))
     EXPECT_EQ(output.exit_code, 0) << output.failure;
+  std::filesystem::remove_all(dir);
 }
 
 TEST(RunPrograms, OneThatIsNotThereOrHangsIsSaidAndKeepsNobody) {
