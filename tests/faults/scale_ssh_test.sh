@@ -88,8 +88,8 @@ for n in 0 1 2; do
   ls "host$n"/.cairn/scale/*/*/*.key >key 2>/dev/null || die "host $n has no key of its worker's"
   [ "$(stat -c %a "$(cat key)")" = 600 ] || die "others may read $(cat key)"
 done
-pkill -9 -P "$scaler" 2>/dev/null || true
-kill -9 "$scaler"
+pkill -9 -P "$scaler" || die "whoever looks after the workers has ended: $(cat scale.log)"
+wait "$scaler" 2>/dev/null || true
 exits 0 client watch "$id"
 exits 0 scaled --until-done
 says 'leaves'
