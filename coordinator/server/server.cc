@@ -63,11 +63,15 @@ void Server::Restore() {
 }
 
 void Server::Step(double timeout_s) {
-  std::vector<Incoming> came = transport_.Poll(timeout_s);
+  std::vector<Incoming> came = transport_.Poll(gone_.empty() ? timeout_s : 0);
   const double began_s = Now();
   // Looked at after the messages came: whoever was taken off the list before he sent one is refused it.
   if (access_control_.Refresh()) EndRevoked();
+  const std::set<std::string> gone =
+      transport_.TookAll() ? std::exchange(gone_, {}) : std::set<std::string>();
   for (Incoming& incoming : came) Receive(incoming);
+  // After its last words, an answer or that it leaves, which were on their way when it was found gone.
+  for (const std::string& peer : gone) Handle(WorkerLost{peer});
   for (const wire::Refusal& refusal : transport_.TakeRefusals()) refusals_.Add(refusal, Now());
   TakeDiskDone();
   if (const double now_s = Now(); now_s - ticked_s_ >= kTick_s) {
@@ -79,7 +83,6 @@ void Server::Step(double timeout_s) {
     // A disk that is slow, or hangs, gets no more to do; what waits is bounded.
     if (writer_.Finished(log_ticket_)) WriteLog();
   }
-  for (const std::string& peer : std::exchange(gone_, {})) Handle(WorkerLost{peer});
   WriteBlobsWork spill;
   for (const Hash& hash : blobs_.TakeSpills()) spill.blobs.push_back({hash, blobs_.Get(hash)});
   if (!spill.blobs.empty()) writer_.Add(std::move(spill));

@@ -259,6 +259,39 @@ TEST(Server, AWorkerWhoseConnectionIsGoneIsLostBeforeItsLeaseIsOver) {
   fixture.Until([&] { return fixture.State() == "done"; });
 }
 
+// It ended its connection behind them: a message to it fails before they are read.
+TEST(Server, TheLastWordsOfAWorkerThatIsGoneCountFirst) {
+  ServerFixture fixture;
+  std::optional<wire::Assign> taken;
+  fixture.transport.swallow = [&taken](const wire::Assign& assign) {
+    taken = assign;
+    return true;
+  };
+  fixture.transport.ComeWorker("w");
+  fixture.Submit();
+  fixture.Until([&] { return taken.has_value(); });
+  wire::Message heartbeat;
+  heartbeat.envelope.mutable_heartbeat();
+  *heartbeat.envelope.mutable_heartbeat()->add_tasks() = taken->key();
+  wire::Message drain;
+  drain.envelope.mutable_drain();
+  fixture.transport.gone = {"w"};
+  fixture.transport.Come("w", std::move(heartbeat));
+  fixture.transport.Come("w", std::move(drain));  // answered, in vain
+  fixture.server->Step(0);
+  fixture.transport.at_once = 1;  // and others have much to say
+  for (int i = 0; i < 3; ++i) fixture.transport.ComeDamaged("stranger");
+  fixture.transport.ComeAnswer("w", *taken);
+  wire::Message leave;
+  leave.envelope.mutable_leave();
+  fixture.transport.Come("w", std::move(leave));
+  fixture.Until([&] { return !fixture.server->core().fleet().Knows("w"); });
+  EXPECT_TRUE(fixture.Logged("left"));
+  EXPECT_FALSE(fixture.Logged("lost its connection"));
+  EXPECT_EQ(fixture.server->core().FindJob("a")->round, 0u);
+  EXPECT_FALSE(fixture.Logged("failed"));
+}
+
 TEST(Server, ShutSavesWhatIsUnsavedAndSendsLeave) {
   ServerFixture fixture;
   fixture.checkpoint_interval_s = 1e6;

@@ -25,8 +25,11 @@ class Transport {
   // What has arrived; waits up to `timeout_s`, or until Wake, where nothing has. May return fewer than there
   // are.
   virtual std::vector<Incoming> Poll(double timeout_s) = 0;
-  // Queues a message and never waits. False: the peer is known to be gone. True promises nothing: a message
-  // that is lost on its way, or because the peer's queue is full, is made up for by leases.
+  // Whether the last Poll left nothing that had arrived when it was called.
+  virtual bool TookAll() const = 0;
+  // Queues a message and never waits. False: the peer is known to be gone, though what it sent before may
+  // still wait to be taken. True promises nothing: a message that is lost on its way, or because the peer's
+  // queue is full, is made up for by leases.
   virtual bool Send(const std::string& peer, wire::Message message) = 0;
   // Bytes of messages that wait to go out to it, but for small ones.
   virtual std::size_t Unsent(const std::string& peer) const = 0;

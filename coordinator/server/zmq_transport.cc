@@ -27,6 +27,7 @@ class ZmqTransport : public Transport {
     return incoming;
   }
 
+  bool TookAll() const override { return took_all_; }
   bool Send(const std::string& peer, wire::Message message) override {
     return socket_.Send(peer, std::move(message)).code() != Code::kNotFound;
   }
@@ -39,9 +40,11 @@ class ZmqTransport : public Transport {
 
  private:
   void Drain(std::vector<Incoming>& incoming) {
+    took_all_ = false;
     while (incoming.size() < kMostAtOnce) {
       std::optional<wire::Received> received = socket_.TryReceive();
-      if (!received) return;
+      took_all_ = !received;
+      if (took_all_) return;
       incoming.push_back({std::move(received->peer), std::move(received->status),
                           std::move(received->message), std::move(received->user_id)});
     }
@@ -49,6 +52,7 @@ class ZmqTransport : public Transport {
 
   std::unique_ptr<wire::Context> context_;
   wire::RouterSocket socket_;
+  bool took_all_ = false;
   wire::Wakeup wakeup_;
   wire::Poller poller_;  // last: what it watches must outlive it
 };

@@ -29,6 +29,7 @@ wire::NamedBlob TextBlob(const std::string& text) {
 class Peers : public coordinator::Transport {
  public:
   std::vector<Incoming> Poll(double) override { return std::exchange(queue_, {}); }
+  bool TookAll() const override { return true; }
   bool Send(const std::string& peer, wire::Message message) override {
     if (gone_.contains(peer)) return false;
     if (message.envelope.has_assign() && assigned_.size() < 64)

@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -55,6 +57,9 @@ class FakeTransport : public Transport {
   void Come(const std::string& peer, wire::Message message, const std::string& user = "") {
     queue_.push_back({peer, Status::Ok(), std::move(message), user});
   }
+  void ComeAnswer(const std::string& peer, const wire::Assign& assign) {
+    Come(peer, Answer(assign), users[peer]);
+  }
   void ComeDamaged(const std::string& peer, Code code = Code::kCorrupt) {
     queue_.push_back({peer, Status(code, "no message"), {}});
   }
@@ -69,10 +74,15 @@ class FakeTransport : public Transport {
     Come(peer, std::move(hello), user);
   }
 
+  std::size_t at_once = 1000;
   std::vector<Incoming> Poll(double timeout_s) override {
     if (queue_.empty() && timeout_s > 0) ::usleep(200);
-    return std::exchange(queue_, {});
+    const auto end = queue_.begin() + static_cast<std::ptrdiff_t>(std::min(at_once, queue_.size()));
+    std::vector<Incoming> taken(std::make_move_iterator(queue_.begin()), std::make_move_iterator(end));
+    queue_.erase(queue_.begin(), end);
+    return taken;
   }
+  bool TookAll() const override { return queue_.empty(); }
   std::set<std::string> gone;     // peers that nothing can be sent to
   std::set<std::string> dropped;  // by the server
   std::vector<wire::Refusal> door;
