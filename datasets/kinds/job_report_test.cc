@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <regex>
 #include <set>
 #include <vector>
 
@@ -39,6 +41,9 @@ std::string FirstUnbalancedTag(const std::string& html) {
     if (closing) {
       if (open.empty() || open.back() != name) return "</" + name + ">";
       open.pop_back();
+    } else if (name == "script") {
+      at = html.find("</script>", at);  // what is in it is no HTML
+      if (at == std::string::npos) return "<script>";
     } else if (!self && !empty.contains(name)) {
       open.push_back(name);
     }
@@ -95,9 +100,11 @@ TEST_F(ReportOfALoop, IsOneBalancedPageThatLoadsNothing) {
   const std::string html = PageOf(result_, &log_, &evaluation_, "Loop <4>");
   EXPECT_EQ(FirstUnbalancedTag(html), "");
   ExpectContains(html, "<title>Loop &lt;4&gt;</title>");
-  for (const char* outside : {"http:", "https:", "src=", "@import", "<script", "<link"}) {
+  for (const char* outside : {"http:", "https:", "src=", "@import", "<link", "fetch(", "XMLHttpRequest",
+                              "import(", "WebSocket", "EventSource", "sendBeacon", "innerHTML", "eval("}) {
     EXPECT_EQ(CountIn(html, outside), 0U) << outside;
   }
+  EXPECT_EQ(CountIn(html, "<script"), 1U);
   EXPECT_EQ(CountIn(html, "url("), CountIn(html, "url(#"));
   EXPECT_EQ(CountIn(html, "nan"), 0U);
   EXPECT_EQ(CountIn(html, "=\"inf"), 0U);
@@ -116,6 +123,37 @@ TEST_F(ReportOfALoop, ShowsEverySection) {
   ExpectContains(html, "Cairn 1.2.3 with 3 workers");
   // On both drawings of the map, and in its legend.
   EXPECT_EQ(CountIn(html, "class=\"truth-landmark\""), 2 * evaluation_.pairs.size() + 1);
+}
+
+std::size_t NumbersIn(const std::string& text) {
+  return text.empty() ? 0 : 1 + static_cast<std::size_t>(std::ranges::count(text, ' '));
+}
+
+// What page.js needs of a map: its frame in metres, layers, and of each path a time for each point.
+TEST_F(ReportOfALoop, OneCanLookAroundInItsMap) {
+  const std::string html = PageOf(result_, &log_, &evaluation_);
+  const std::size_t map = html.find("data-panel=\"");
+  ASSERT_NE(map, std::string::npos);
+  EXPECT_EQ(CountIn(html, "data-panel=\""), 1U);
+  const std::string svg = html.substr(map, html.find("</svg>", map) - map);
+  for (const char* layer : {"true path", "robot 0", "robot 1", "true landmarks", "landmarks", "starts"})
+    EXPECT_EQ(CountIn(svg, std::string("data-layer=\"") + layer + "\""), 1U) << layer;
+  const std::regex timed("class=\"path r[01]\" points=\"([^\"]*)\" data-time=\"([^\"]*)\"");
+  std::size_t paths = 0;
+  for (std::sregex_iterator match(svg.begin(), svg.end(), timed); match != std::sregex_iterator(); ++match) {
+    EXPECT_GT(NumbersIn((*match)[2]), 10U);
+    EXPECT_EQ(NumbersIn((*match)[1]), NumbersIn((*match)[2]));
+    ++paths;
+  }
+  EXPECT_EQ(paths, 2U);
+  EXPECT_EQ(CountIn(html, "data-time=\""), CountIn(svg, "data-time=\""));
+  EXPECT_EQ(CountIn(svg, "data-name=\""), evaluation_.pairs.size());
+}
+
+TEST_F(ReportOfALoop, HasEachPictureOfCellsOnce) {
+  const std::string html = PageOf(result_, &log_, &evaluation_);
+  EXPECT_EQ(CountIn(html, "<use href=\"#i"), 2U);  // the cells and their key, on the drawing for a phone
+  EXPECT_EQ(CountIn(html, "data:image/png"), 2U);
 }
 
 TEST_F(ReportOfALoop, SaysThatARefinementWasRefused) {

@@ -13,9 +13,8 @@ namespace cairn::datasets::report {
 namespace {
 
 constexpr double kMapTop = 10, kMapRight = 10, kMapBottom = 40;
-constexpr double kBesideFrom = 600;        // width from which on two maps stand side by side
-constexpr double kLeastEllipsePixels = 3;  // a smaller one hides behind its landmark's dot
-constexpr std::size_t kCrowd = 100;        // of landmarks, whose dots are small
+constexpr double kBesideFrom = 600;  // width from which on two maps stand side by side
+constexpr std::size_t kCrowd = 100;  // of landmarks, whose dots are small
 constexpr double kNameHeight = 9, kClearOfNames = 4.2;
 
 bool IsVisible(const std::pair<Point, Point>& error) {
@@ -53,12 +52,14 @@ class MapPainter {
   void Cells(const MapCells& cells) { picture_.Image(frame_.At(cells.box), cells.raster); }
 
   void Paths(const std::vector<Path>& paths, const std::string& kind) {
-    for (const Path& path : paths) {
-      for (const std::vector<Point>& piece : Pieces(path)) {
-        if (piece.size() == 1)
-          picture_.Circle(frame_.At(piece[0]), 1.2, RobotClass(kind + "-point", path.index));
-        picture_.Polyline(Pixels(piece), RobotClass(kind, path.index));
-      }
+    for (const Path& path : paths) DrawPath(path, kind);
+  }
+
+  void DrawPath(const Path& path, const std::string& kind) {
+    for (const Path& piece : Pieces(path)) {
+      if (piece.points.size() == 1)
+        picture_.Circle(frame_.At(piece.points[0]), 1.2, RobotClass(kind + "-point", path.index));
+      picture_.Polyline(Pixels(piece.points), RobotClass(kind, path.index), piece.time_s);
     }
   }
 
@@ -68,6 +69,13 @@ class MapPainter {
         picture_.Circle(frame_.At(path.points.front()), 5, RobotClass("start", path.index),
                         path.robot + ": start");
     }
+  }
+
+  template <class Paint>
+  void Layer(const std::string& name, const Paint& paint) {
+    picture_.BeginLayer(name);
+    paint();
+    picture_.EndLayer();
   }
 
   void Marks(const std::vector<Path>& marks) {
@@ -85,8 +93,9 @@ class MapPainter {
 
   void Walls(const Scene& scene) {
     for (const auto& [a, b] : scene.truth_walls) Line(a, b, "wall");
-    picture_.Dots(Pixels(scene.edges), "edge");
   }
+
+  void Edges(const Scene& scene) { picture_.Dots(Pixels(scene.edges), "edge"); }
 
   void Loops(const Scene& scene) {
     for (const Scene::Loop& loop : scene.loops) {
@@ -100,11 +109,10 @@ class MapPainter {
     for (const MapLandmark& landmark : scene.landmarks) {
       const EllipseM& e = landmark.ellipse;
       const double major = e.major_m * frame_.pixels_per_m(), minor = e.minor_m * frame_.pixels_per_m();
-      if (major >= kLeastEllipsePixels)
-        picture_.Ellipse(frame_.At(landmark.at), major, std::max(minor, 0.5),
-                         -e.angle_rad * 180 / std::numbers::pi, "ellipse");
+      picture_.Ellipse(frame_.At(landmark.at), major, minor, -e.angle_rad * 180 / std::numbers::pi,
+                       "ellipse");
       picture_.Circle(frame_.At(landmark.at), radius, landmark.spurious ? "landmark spurious" : "landmark",
-                      Tip(landmark));
+                      Tip(landmark), landmark.name);
     }
   }
 
@@ -229,18 +237,22 @@ Picture MapPicture(const Scene& scene, double width, const MapView& view) {
   const double height =
       PanelHeight(box, inner, view.round_cells ? 90 : 0.3 * inner, std::max(view.highest * inner, 460.0));
   Picture picture(width, Outer(height), view.label);
-  DrawMap(box, {left, kMapTop, inner, height}, true, &picture, [&](MapPainter painter) {
-    if (view.below) painter.Cells(*view.below);
-    painter.Walls(scene);
-    painter.Paths(scene.truth_paths, "truth-path");
-    painter.Paths(scene.odometry_below, "raw-path");
-    painter.Paths(scene.paths, "path");
-    painter.Truth(scene);
-    painter.Loops(scene);
-    painter.Landmarks(scene);
-    painter.Names(scene);
-    painter.Starts(scene.paths);
+  const Panel panel{left, kMapTop, inner, height};
+  DrawMap(box, panel, true, &picture, [&](MapPainter painter) {
+    if (view.below) painter.Layer("cells", [&] { painter.Cells(*view.below); });
+    painter.Layer("true walls", [&] { painter.Walls(scene); });
+    painter.Layer("edges", [&] { painter.Edges(scene); });
+    painter.Layer("true path", [&] { painter.Paths(scene.truth_paths, "truth-path"); });
+    painter.Layer("odometry alone", [&] { painter.Paths(scene.odometry_below, "raw-path"); });
+    for (const Path& path : scene.paths)
+      painter.Layer(RobotTitle(path.robot), [&] { painter.DrawPath(path, "path"); });
+    painter.Layer("true landmarks", [&] { painter.Truth(scene); });
+    painter.Layer("loops", [&] { painter.Loops(scene); });
+    painter.Layer("landmarks", [&] { painter.Landmarks(scene); });
+    painter.Layer("names", [&] { painter.Names(scene); });
+    painter.Layer("starts", [&] { painter.Starts(scene.paths); });
   });
+  if (width >= kBesideFrom) picture.SetMap(MapFrame(box, panel));  // the page has another for a phone
   return picture;
 }
 

@@ -18,7 +18,7 @@ namespace {
 constexpr double kChiSquared95 = 5.991464547107979;
 
 Path ToPath(const Track& track, const std::string& robot, std::size_t index) {
-  Path path{.robot = robot, .index = index, .points = {}};
+  Path path{.robot = robot, .index = index, .points = {}, .time_s = track.time_s};
   for (const Pose& pose : track.poses) path.points.push_back({pose.x_m, pose.y_m});
   return path;
 }
@@ -178,14 +178,16 @@ class Bounds {
 
 }  // namespace
 
-std::vector<std::vector<Point>> Pieces(const Path& path) {
-  std::vector<std::vector<Point>> pieces;
+std::vector<Path> Pieces(const Path& path) {
+  std::vector<Path> pieces;
   std::size_t first = 0;
   const auto cut = [&](std::size_t end) {
-    const auto begin = path.points.begin();
-    if (first < end)
-      pieces.emplace_back(begin + static_cast<std::ptrdiff_t>(first),
-                          begin + static_cast<std::ptrdiff_t>(end));
+    if (first >= end) return;
+    const auto begin = static_cast<std::ptrdiff_t>(first), stop = static_cast<std::ptrdiff_t>(end);
+    Path piece{.robot = path.robot, .index = path.index, .points = {}};
+    piece.points.assign(path.points.begin() + begin, path.points.begin() + stop);
+    if (!path.time_s.empty()) piece.time_s.assign(path.time_s.begin() + begin, path.time_s.begin() + stop);
+    pieces.push_back(std::move(piece));
     first = end;
   };
   for (const std::size_t at : path.breaks) cut(at);
@@ -237,7 +239,11 @@ Scene GridSceneOf(const Blob& map, const Blob* log, const GridEvaluation* evalua
     const std::vector<std::string>& names = of.robots.OrNone();
     Path path{.robot = r < names.size() ? names[r] : std::to_string(r), .index = r, .points = {}};
     for (std::size_t i = 0; i < most->x_m.size(); ++i) path.points.push_back({most->x_m[i], most->y_m[i]});
-    if (most->time_s) path.breaks = BreaksOf(most->time_s);
+    if (most->time_s) {
+      const std::span<const double> time = most->time_s;
+      path.time_s.assign(time.begin(), time.end());
+      path.breaks = BreaksOf(time);
+    }
     scene.paths.push_back(std::move(path));
   }
   if (log != nullptr && evaluation != nullptr && log->Has("truth/walls/x_m")) {

@@ -19,12 +19,13 @@ struct Path {
   std::string robot;
   std::size_t index = 0;  // of the robot: its colour
   std::vector<Point> points;
+  std::vector<double> time_s = {};  // of each point; empty where it is not known
   // Points before which nothing is known of the path: no line leads to them.
   std::vector<std::size_t> breaks = {};
 };
 
 // The stretches between a path's breaks. One of a single point is a place, and no way.
-std::vector<std::vector<Point>> Pieces(const Path& path);
+std::vector<Path> Pieces(const Path& path);
 
 // Where the time to the one before is longer than a second and four times what is usual among them: a
 // receiver that lost its satellites, a recording that paused.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "datasets/report/drawing/course.h"
 #include "datasets/report/drawing/format.h"
 #include "schema/hash.h"
 #include "schema/text.h"
@@ -12,7 +13,8 @@
 namespace cairn::datasets::report {
 namespace {
 
-constexpr double kMergedPixels = 0.5;
+// Finer than what is seen at first, for those who look closer.
+constexpr double kCoursePixels = 0.03;
 
 // "x="3.5" y="7"" of a list of names and numbers.
 std::string Attributes(std::initializer_list<std::pair<const char*, double>> attributes) {
@@ -21,17 +23,23 @@ std::string Attributes(std::initializer_list<std::pair<const char*, double>> att
   return text;
 }
 
-std::string PointsAttribute(const std::vector<Point>& points, bool merged) {
+std::string PointsAttribute(const std::vector<Point>& points) {
   std::string text = " points=\"";
-  const Point* drawn = nullptr;
-  for (const Point& point : points) {
-    const bool near = drawn != nullptr && DistanceM(*drawn, point) < kMergedPixels;
-    if (merged && near && &point != &points.back()) continue;
-    drawn = &point;
-    text += fmt::format("{},{} ", Short(point.x_m, 1), Short(point.y_m, 1));
-  }
+  for (const Point& point : points) text += fmt::format("{},{} ", Short(point.x_m), Short(point.y_m));
   text.back() = '"';
   return text;
+}
+
+std::string CourseAttributes(const Element& line, bool timed) {
+  std::vector<Point> points;
+  std::string times;
+  timed = timed && !line.times_s.empty();
+  for (const std::size_t i :
+       CourseOf(line.points, timed ? line.times_s : std::vector<double>(), kCoursePixels)) {
+    points.push_back(line.points[i]);
+    if (timed) times += (times.empty() ? "" : " ") + Short(line.times_s[i], 3);
+  }
+  return PointsAttribute(points) + (times.empty() ? "" : fmt::format(" data-time=\"{}\"", times));
 }
 
 std::string Turned(Point at, double degrees) {
@@ -39,13 +47,33 @@ std::string Turned(Point at, double degrees) {
                      Short(degrees));
 }
 
-std::string SvgOf(const Element& s, const std::string& id) {
+bool IsImage(const Element& s) { return s.kind == Element::Kind::kImage; }
+
+std::string BoxAttributes(const Element& s) {
+  const Point at = s.points.front();
+  return Attributes({{"x", at.x_m}, {"y", at.y_m}, {"width", s.width}, {"height", s.height}});
+}
+
+std::string ImageId(const Element& image) {
+  Hasher hasher;
+  hasher.Add(BoxAttributes(image));
+  hasher.Add(std::as_bytes(std::span(image.raster.pixels)));
+  return "i" + hasher.Finish().Hex().substr(0, 12);
+}
+
+// Where `shown` is, in the place of `image`.
+std::string UseOf(const Element& shown, const Element& image) {
+  const double x = image.width / shown.width, y = image.height / shown.height;
+  return fmt::format("<use href=\"#{}\" transform=\"translate({} {}) scale({} {})\"/>\n", ImageId(shown),
+                     Short(image.points[0].x_m - x * shown.points[0].x_m, 4),
+                     Short(image.points[0].y_m - y * shown.points[0].y_m, 4), Short(x, 6), Short(y, 6));
+}
+
+// `map`: of a picture in which people can look around.
+std::string SvgOf(const Element& s, const std::string& id, bool map) {
   using enum Element::Kind;
   const Point at = s.points.empty() ? Point{} : s.points.front();
   const std::string of = s.classes.empty() ? "" : fmt::format(" class=\"{}\"", s.classes);
-  const auto box = [&] {
-    return Attributes({{"x", at.x_m}, {"y", at.y_m}, {"width", s.width}, {"height", s.height}});
-  };
   const auto closed = [&](const char* tag) {
     return s.text.empty() ? "/>" : fmt::format("><title>{}</title></{}>", Escape(s.text), tag);
   };
@@ -55,9 +83,9 @@ std::string SvgOf(const Element& s, const std::string& id) {
           "<line{}{}/>\n", of,
           Attributes({{"x1", at.x_m}, {"y1", at.y_m}, {"x2", s.points[1].x_m}, {"y2", s.points[1].y_m}}));
     case kPolyline:
-      return fmt::format("<polyline{}{}/>\n", of, PointsAttribute(s.points, true));
+      return fmt::format("<polyline{}{}/>\n", of, CourseAttributes(s, map));
     case kPolygon:
-      return fmt::format("<polygon{}{}/>\n", of, PointsAttribute(s.points, false));
+      return fmt::format("<polygon{}{}/>\n", of, PointsAttribute(s.points));
     case kDots: {
       std::string path;
       for (const Point& dot : s.points) path += fmt::format("M{} {}h0", Short(dot.x_m, 1), Short(dot.y_m, 1));
@@ -65,14 +93,15 @@ std::string SvgOf(const Element& s, const std::string& id) {
     }
     case kEllipse:
       if (s.width == s.height)
-        return fmt::format("<circle{}{}{}\n", of,
-                           Attributes({{"cx", at.x_m}, {"cy", at.y_m}, {"r", s.width}}), closed("circle"));
+        return fmt::format(
+            "<circle{}{}{}{}\n", of, Attributes({{"cx", at.x_m}, {"cy", at.y_m}, {"r", s.width}}),
+            s.name.empty() ? "" : fmt::format(" data-name=\"{}\"", Escape(s.name)), closed("circle"));
       return fmt::format("<ellipse{}{}{}/>\n", of, Attributes({{"rx", s.width}, {"ry", s.height}}),
                          Turned(at, s.degrees));
     case kRect: {
       const Rgb c = s.fill.value_or(kPaper);
       const std::string fill = s.fill ? fmt::format(" fill=\"#{:02x}{:02x}{:02x}\"", c[0], c[1], c[2]) : "";
-      return fmt::format("<rect{}{}{}{}\n", of, box(), fill, closed("rect"));
+      return fmt::format("<rect{}{}{}{}\n", of, BoxAttributes(s), fill, closed("rect"));
     }
     case kText:
       return fmt::format("<text{}{}>{}</text>\n", of,
@@ -80,18 +109,21 @@ std::string SvgOf(const Element& s, const std::string& id) {
                          Escape(s.text));
     case kImage:
       return fmt::format(
-          "<image{} preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" "
+          "<image id=\"{}\"{} preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" "
           "href=\"data:image/png;base64,{}\"/>\n",
-          box(), Base64(s.raster.Png()));
+          ImageId(s), BoxAttributes(s), Base64(s.raster.Png()));
     case kBeginClip: {
       // By what it is: the same drawing of another stage on the page has the same rectangle.
       Hasher hasher;
-      hasher.Add(box());
+      hasher.Add(BoxAttributes(s));
       const std::string clip = id + "-" + hasher.Finish().Hex().substr(0, 8);
       return fmt::format("<clipPath id=\"{0}\"><rect{1}/></clipPath>\n<g clip-path=\"url(#{0})\">\n", clip,
-                         box());
+                         BoxAttributes(s));
     }
+    case kBeginLayer:
+      return fmt::format("<g data-layer=\"{}\">\n", Escape(s.text));
     case kEndClip:
+    case kEndLayer:
       return "</g>\n";
   }
   return {};
@@ -103,9 +135,12 @@ void Picture::Line(Point from, Point to, std::string_view classes) {
   elements_.push_back({Element::Kind::kLine, std::string(classes), {from, to}});
 }
 
-void Picture::Polyline(std::vector<Point> points, std::string_view classes) {
-  if (points.size() >= 2)
-    elements_.push_back({Element::Kind::kPolyline, std::string(classes), std::move(points)});
+void Picture::Polyline(std::vector<Point> points, std::string_view classes, std::vector<double> times_s) {
+  if (points.size() < 2) return;
+  elements_.push_back({.kind = Element::Kind::kPolyline,
+                       .classes = std::string(classes),
+                       .points = std::move(points),
+                       .times_s = std::move(times_s)});
 }
 
 void Picture::Polygon(std::vector<Point> corners, std::string_view classes) {
@@ -117,9 +152,15 @@ void Picture::Dots(std::vector<Point> points, std::string_view classes) {
   if (!points.empty()) elements_.push_back({Element::Kind::kDots, std::string(classes), std::move(points)});
 }
 
-void Picture::Circle(Point at, double radius, std::string_view classes, std::string_view tip) {
-  elements_.push_back(
-      {Element::Kind::kEllipse, std::string(classes), {at}, radius, radius, 0, std::string(tip)});
+void Picture::Circle(Point at, double radius, std::string_view classes, std::string_view tip,
+                     std::string_view name) {
+  elements_.push_back({.kind = Element::Kind::kEllipse,
+                       .classes = std::string(classes),
+                       .points = {at},
+                       .width = radius,
+                       .height = radius,
+                       .text = std::string(tip),
+                       .name = std::string(name)});
 }
 
 void Picture::Ellipse(Point at, double major, double minor, double degrees, std::string_view classes) {
@@ -134,6 +175,8 @@ void Picture::Rect(const Panel& p, std::string_view classes, std::string_view ti
                        p.height,
                        0,
                        std::string(tip),
+                       {},
+                       {},
                        fill});
 }
 
@@ -142,8 +185,17 @@ void Picture::Text(Point at, std::string_view text, std::string_view classes, do
 }
 
 void Picture::Image(const Panel& p, Raster raster) {
-  elements_.push_back(
-      {Element::Kind::kImage, "", {{p.left, p.top}}, p.width, p.height, 0, "", {}, std::move(raster)});
+  elements_.push_back({Element::Kind::kImage,
+                       "",
+                       {{p.left, p.top}},
+                       p.width,
+                       p.height,
+                       0,
+                       "",
+                       "",
+                       {},
+                       {},
+                       std::move(raster)});
 }
 
 void Picture::BeginClip(const Panel& p) {
@@ -152,6 +204,15 @@ void Picture::BeginClip(const Panel& p) {
 
 void Picture::EndClip() { elements_.push_back({Element::Kind::kEndClip, "", {}}); }
 
+void Picture::BeginLayer(std::string_view name) {
+  elements_.push_back(
+      {.kind = Element::Kind::kBeginLayer, .classes = "", .points = {}, .text = std::string(name)});
+}
+
+void Picture::EndLayer() {
+  elements_.push_back({.kind = Element::Kind::kEndLayer, .classes = "", .points = {}});
+}
+
 void Picture::Add(const Picture& other, Point by) {
   for (Element shape : other.elements_) {
     for (Point& point : shape.points) point = {point.x_m + by.x_m, point.y_m + by.y_m};
@@ -159,19 +220,35 @@ void Picture::Add(const Picture& other, Point by) {
   }
 }
 
-std::string Picture::SvgShapes() const {
+std::string Picture::SvgShapes(const Picture* shown) const {
   Hasher hasher;
   hasher.Add(label_);
   const std::string id = "c" + hasher.Finish().Hex().substr(0, 10);
   std::string svg;
-  for (const Element& shape : elements_) svg += SvgOf(shape, id);
+  for (const Element& shape : elements_) {
+    const Element* same = shown != nullptr && IsImage(shape) ? shown->FindImage(shape.raster) : nullptr;
+    svg += same != nullptr ? UseOf(*same, shape) : SvgOf(shape, id, map_.has_value());
+  }
   return svg;
 }
 
-std::string Picture::Svg() const {
-  return empty() ? ""
-                 : fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n{}</svg>\n",
-                               Short(width_), Short(height_), Escape(label_), SvgShapes());
+const Element* Picture::FindImage(const Raster& raster) const {
+  const auto found = std::ranges::find_if(
+      elements_, [&](const Element& shape) { return IsImage(shape) && shape.raster == raster; });
+  return found == elements_.end() ? nullptr : &*found;
+}
+
+std::string Picture::Svg(const Picture* shown) const {
+  if (empty()) return "";
+  std::string map;
+  if (map_) {
+    const Panel& p = map_->panel();
+    map = fmt::format(" data-panel=\"{} {} {} {}\" data-metres=\"{} {} {} {}\"", Short(p.left), Short(p.top),
+                      Short(p.width), Short(p.height), Short(map_->x().low, 6), Short(map_->x().high, 6),
+                      Short(map_->y().low, 6), Short(map_->y().high, 6));
+  }
+  return fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\"{}>\n{}</svg>\n",
+                     Short(width_), Short(height_), Escape(label_), map, SvgShapes(shown));
 }
 
 double TextWidth(std::string_view text, double font) {

@@ -25,6 +25,7 @@ struct Raster {
     for (const int channel : rgb) pixels.push_back(static_cast<std::uint8_t>(channel));
   }
   std::string Png() const { return EncodePng(columns, rows, pixels, colour); }
+  bool operator==(const Raster&) const = default;
 };
 
 struct Element {
@@ -38,14 +39,18 @@ struct Element {
     kText,
     kImage,
     kBeginClip,
-    kEndClip
+    kEndClip,
+    kBeginLayer,
+    kEndLayer
   } kind;
   std::string classes;
   std::vector<Point> points;  // ends, corners, centre; the upper left corner; a text's anchor on its baseline
-  double width = 0, height = 0;  // of a rectangle; an ellipse's semi-axes
-  double degrees = 0;            // clockwise
-  std::string text = {};         // of a circle or a rectangle: shown when the pointer rests on it
-  std::optional<Rgb> fill = {};  // where no class says
+  double width = 0, height = 0;      // of a rectangle; an ellipse's semi-axes
+  double degrees = 0;                // clockwise
+  std::string text = {};             // of a circle or a rectangle: shown when the pointer rests on it
+  std::string name = {};             // of a circle: written beside it where there is room
+  std::vector<double> times_s = {};  // of a polyline's points; empty where they have none
+  std::optional<Rgb> fill = {};      // where no class says
   Raster raster = {};
 };
 
@@ -58,13 +63,14 @@ class Picture {
       : width_(width), height_(height), label_(std::move(label)) {}
 
   void Line(Point from, Point to, std::string_view classes);
-  // In SVG points nearer than half a pixel to the one before are left out, but for the last.
-  void Polyline(std::vector<Point> points, std::string_view classes);
+  // In SVG only the points that its course takes (course.h).
+  void Polyline(std::vector<Point> points, std::string_view classes, std::vector<double> times_s = {});
   // A filled area; nothing of fewer than three corners.
   void Polygon(std::vector<Point> corners, std::string_view classes);
   // One shape, which has as many parts: the stroke is as wide as they are.
   void Dots(std::vector<Point> points, std::string_view classes);
-  void Circle(Point at, double radius, std::string_view classes, std::string_view tip = "");
+  void Circle(Point at, double radius, std::string_view classes, std::string_view tip = "",
+              std::string_view name = "");
   void Ellipse(Point at, double major, double minor, double degrees, std::string_view classes);
   void Rect(const Panel& panel, std::string_view classes, std::string_view tip = "",
             std::optional<Rgb> fill = std::nullopt);
@@ -74,6 +80,11 @@ class Picture {
   // Everything until the matching EndClip is cut at this rectangle.
   void BeginClip(const Panel& panel);
   void EndClip();
+  // Everything until the matching EndLayer can be shown and hidden by this name. Layers do not nest.
+  void BeginLayer(std::string_view name);
+  void EndLayer();
+  // Where on the world what is clipped by the panel lies: then people can look around in it (map_viewer.js).
+  void SetMap(const MapFrame& frame) { map_ = frame; }
   // All of another, moved by `by`.
   void Add(const Picture& other, Point by);
 
@@ -83,14 +94,18 @@ class Picture {
   bool empty() const { return elements_.empty(); }
 
   // The shapes alone, and whole; both empty where there is none.
-  std::string SvgShapes() const;
-  std::string Svg() const;
+  // An image that `shown` has too, which stands on the same page, is its.
+  std::string SvgShapes(const Picture* shown = nullptr) const;
+  std::string Svg(const Picture* shown = nullptr) const;
   // The bytes of a file `scale` times as wide and high. Letters beyond ASCII are drawn as ascii.h says.
   std::string Png(double scale = kFileScale) const;
 
  private:
+  const Element* FindImage(const Raster& raster) const;
+
   double width_, height_;
   std::string label_;
+  std::optional<MapFrame> map_;
   std::vector<Element> elements_;
 };
 

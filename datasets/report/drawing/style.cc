@@ -206,6 +206,28 @@ pre { background:var(--panel); border:1px solid var(--line); border-radius:8px; 
   font:13px/1.45 ui-monospace,"SF Mono",Menlo,Consolas,monospace; }
 footer { margin-top:46px; padding-top:10px; border-top:1px solid var(--line); color:var(--soft); font-size:13px; }
 )css";
+constexpr char kViewerRules[] =
+    R"css(.viewer-box { position:relative; max-height:72vh; min-height:240px; width:100%; border:1px solid var(--line);
+  border-radius:6px; overflow:hidden; background:var(--panel); }
+.viewer canvas { width:100%; height:100%; display:block; cursor:grab; touch-action:none; }
+.viewer canvas:active { cursor:grabbing; }
+button { font:13px/1 inherit; color:var(--ink); background:var(--paper); border:1px solid var(--line); border-radius:5px;
+  padding:6px 9px; min-width:32px; cursor:pointer; } button:hover { border-color:var(--accent); color:var(--accent); }
+:focus-visible { outline:2px solid var(--accent); outline-offset:2px; } .viewer canvas:focus-visible { outline-offset:-2px; }
+.viewer-tools { position:absolute; top:10px; right:10px; display:flex; gap:6px; }
+.viewer-tip { position:absolute; max-width:min(46ch,90%); background:var(--paper); border:1px solid var(--line); border-radius:5px;
+  padding:4px 8px; font-size:13px; pointer-events:none; }
+.viewer-place { position:absolute; top:10px; left:10px; padding:2px 7px; border-radius:4px; background:var(--paper); opacity:.9;
+  font-size:12.5px; color:var(--soft); font-variant-numeric:tabular-nums; pointer-events:none; }
+.viewer-place:empty { display:none; }
+.viewer-layers { display:flex; flex-wrap:wrap; gap:2px 18px; list-style:none; margin:0 0 8px; padding:0; font-size:13.5px; }
+.viewer-layers label, .viewer-time { display:flex; align-items:center; gap:6px; }
+.viewer-time { font-size:13.5px; margin:8px 0 0; gap:12px; } .viewer-time input { flex:1; accent-color:var(--accent); }
+.viewer-time output { min-width:8ch; text-align:right; font-variant-numeric:tabular-nums; } input { accent-color:var(--accent); }
+.save { display:flex; gap:6px; margin:6px 0 0; } .save button { font-size:12px; padding:4px 8px; color:var(--soft); }
+@media screen { .has-viewer > .wide, .has-viewer > .narrow { display:none; } }
+@media print { .viewer, .save { display:none; } }
+)css";
 constexpr char kNarrowRules[] = R"css(@media screen and (max-width:860px) { main { padding:22px 12px 40px; }
 .wide { display:none; } .narrow { display:block; } }
 )css";
@@ -221,10 +243,10 @@ constexpr char kPrintRules[] =
 std::string PageCss() {
   return fmt::format(
       "\n:root {{ color-scheme:light dark;{} }}\n@media (prefers-color-scheme:dark) {{ :root {{{} }} "
-      "}}\n{}{}{}"
+      "}}\n{}{}{}{}"
       "@media print {{ :root {{ color-scheme:light;{} }}\n{}}}\n",
-      ColoursCss(false), ColoursCss(true), kPageRules, LooksCss(), kNarrowRules, ColoursCss(false),
-      kPrintRules);
+      ColoursCss(false), ColoursCss(true), kPageRules, LooksCss(), kNarrowRules, kViewerRules,
+      ColoursCss(false), kPrintRules);
 }
 
 }  // namespace cairn::datasets::report

@@ -16,12 +16,11 @@
 namespace cairn::datasets::report {
 namespace {
 
-// More cells than a phone has pixels for are drawn as blocks.
-constexpr std::int64_t kMostCellsOfPage = 3000, kMostCellsNarrow = 1000;
+constexpr std::int64_t kMostCellsOfPage = 3000;  // along an edge: more are drawn as blocks
 
 // A layer with what lies on it.
 Picture LayerPicture(const CellPicture& picture, const std::string& label, const Scene& scene, double width) {
-  const CellPicture blocks = InBlocks(picture, width < kWidePicture ? kMostCellsNarrow : kMostCellsOfPage);
+  const CellPicture blocks = InBlocks(picture, kMostCellsOfPage);
   return MapPicture(scene, width,
                     {.below = MapCells{CellsRaster(blocks), BoxOf(blocks.box)},
                      .round_cells = true,

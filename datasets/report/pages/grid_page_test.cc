@@ -92,7 +92,7 @@ TEST(GridPage, ShowsAllLayersTheHistoryAndTheParameters) {
   std::size_t pictures = 0;
   for (std::size_t at = page.find("<image"); at != std::string::npos; at = page.find("<image", at + 1))
     ++pictures;
-  EXPECT_EQ(pictures, 6U) << "three layers, for a wide page and a narrow one";
+  EXPECT_EQ(pictures, 3U) << "a layer each, for a wide page and a narrow one";
 }
 
 TEST(GridPage, OfAPlainMapLeavesOutWhatItLacks) {

@@ -198,7 +198,7 @@ Scene SceneOf(const Blob& result, const LocalResult& local, const Blob* log,
   Scene scene;
   const std::vector<std::string> robots = result.Texts("robots");
   for (std::size_t r = 0; r < local.paths.size(); ++r) {
-    Path path{.robot = robots.at(r), .index = r, .points = {}};
+    Path path{.robot = robots.at(r), .index = r, .points = {}, .time_s = local.paths[r].time_s};
     for (const Pose& pose : local.paths[r].poses) path.points.push_back({pose.x_m, pose.y_m});
     path.breaks = CutsOf(result, r, local.paths[r]);
     scene.paths.push_back(std::move(path));
@@ -230,7 +230,11 @@ Scene SceneOf(const Blob& result, const LocalResult& local, const Blob* log,
   for (std::size_t r = 0; r < local.paths.size(); ++r) {
     const Similarity to_result = Inverse(evaluation->alignment.at(r));
     const Track truth = ReadTrack(*log, "truth/robot/" + std::to_string(r) + "/poses/");
-    Path path{.robot = robots[r], .index = r, .points = {}, .breaks = BreaksOf(truth.time_s)};
+    Path path{.robot = robots[r],
+              .index = r,
+              .points = {},
+              .time_s = truth.time_s,
+              .breaks = BreaksOf(truth.time_s)};
     for (const Pose& pose : truth.poses) path.points.push_back(to_result(Point{pose.x_m, pose.y_m}));
     if (!path.points.empty()) scene.truth_paths.push_back(std::move(path));
   }

@@ -210,8 +210,8 @@ TEST(Breaks, AreWherePosesAreFartherApartThanUsual) {
   const Path path{.robot = "", .index = 0, .points = {{0, 0}, {1, 0}, {2, 0}, {9, 0}}, .breaks = {2, 3}};
   const auto pieces = Pieces(path);
   ASSERT_EQ(pieces.size(), 3U);
-  EXPECT_EQ(pieces[0].size(), 2U);
-  EXPECT_EQ(pieces[2].front().x_m, 9);
+  EXPECT_EQ(pieces[0].points.size(), 2U);
+  EXPECT_EQ(pieces[2].points.front().x_m, 9);
 }
 
 // `count` landmarks, eight of a row at a distance; with names they are identities.

@@ -4,6 +4,7 @@
 
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/drawing/style.h"
+#include "datasets/report/pages/page_script.h"
 
 namespace cairn::datasets::report {
 namespace {
@@ -23,12 +24,12 @@ std::string SectionHtml(const std::string& title, const std::string& body) {
 }
 
 std::string DrawingHtml(const Drawing& draw, const std::string& caption) {
-  const std::string wide = draw(kWidePicture).Svg();
+  const Picture wide = draw(kWidePicture);
   if (wide.empty()) return {};
   return fmt::format(
       "<figure>\n<div class=\"wide\">{}</div>\n<div class=\"narrow\">{}</div>\n"
       "<figcaption>{}</figcaption>\n</figure>\n",
-      wide, draw(kNarrowPicture).Svg(), caption);
+      wide.Svg(), draw(kNarrowPicture).Svg(&wide), caption);
 }
 
 std::string PictureHtml(const Picture& picture, const std::string& caption) {
@@ -101,8 +102,9 @@ std::string PageHtml(const std::string& title, const std::string& body, const Bl
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{0}</title>\n"
-      "<style>{1}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n{2}{3}</main>\n</body>\n</html>\n",
-      Escape(title), PageCss(), body, Footer(result));
+      "<style>{1}</style>\n</head>\n<body>\n<main>\n<h1>{0}</h1>\n{2}{3}</main>\n<script>\n{4}</script>\n</"
+      "body>\n</html>\n",
+      Escape(title), PageCss(), body, Footer(result), kPageScript);
 }
 
 }  // namespace cairn::datasets::report
