@@ -18,7 +18,8 @@ is_page() {
   [ "$(grep -c '<div class="wide">' "$1")" -gt 0 ] || die "$1 has no drawing"
   [ "$(grep -o '<div class="wide">' "$1" | wc -l)" -eq "$(grep -o '<div class="narrow">' "$1" | wc -l)" ] ||
     die "$1 has drawings for a desk alone"
-  ! grep -Eq '(src|href)="(https?:)?//|<script' "$1" || die "$1 loads something"
+  ! grep -Eq '(src|href)="(https?:)?//' "$1" || die "$1 loads something"
+  [ "$(grep -c '<script' "$1")" -eq 1 ] && grep -q '^<script>$' "$1" || die "$1 has another script than its own"
   ! grep -Eq '[="( ]-?nan[ ,")]' "$1" || die "$1 draws what is not a number"
   grep -q '<h2>Job</h2>' "$1" || die "$1 does not say of which job it is"
 }
