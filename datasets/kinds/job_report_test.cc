@@ -68,6 +68,9 @@ Blob FullResult(const Blob& log) {
   result.PutVector("history/log_likelihood", std::vector<double>{0, -300, -200, -150});
   result.PutVector("history/prefix", std::vector<double>{1, 0.5, 1, 1});
   result.PutVector("history/robots", std::vector<std::int64_t>{1, 2, 2, 2});
+  result.PutVector("history/landmark_iteration", std::vector<std::int64_t>{0, 0, 2, 2, 2});
+  result.PutVector("history/landmark_x_m", std::vector<double>{1, 2, 3, 4, 5});
+  result.PutVector("history/landmark_y_m", std::vector<double>{5, 4, 3, 2, 1});
   result.PutScalar("provenance/seconds_s", 83.0);
   result.PutScalar<std::int64_t>("provenance/workers", 3);
   result.Put("provenance/version", Array::Text("1.2.3"));
@@ -148,6 +151,10 @@ TEST_F(ReportOfALoop, OneCanLookAroundInItsMap) {
   EXPECT_EQ(paths, 2U);
   EXPECT_EQ(CountIn(html, "data-time=\""), CountIn(svg, "data-time=\""));
   EXPECT_EQ(CountIn(svg, "data-name=\""), evaluation_.pairs.size());
+  const std::size_t rounds = svg.find("data-rounds=\"") + 13;
+  const std::string earlier = svg.substr(rounds, svg.find('"', rounds) - rounds);
+  EXPECT_EQ(CountIn(earlier, ";"), 1U) << "of the two iterations that made a map";
+  EXPECT_EQ(CountIn(earlier, ","), 5U);
 }
 
 TEST_F(ReportOfALoop, HasEachPictureOfCellsOnce) {

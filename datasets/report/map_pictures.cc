@@ -116,6 +116,12 @@ class MapPainter {
     }
   }
 
+  void Rounds(const Scene& scene) {
+    std::vector<std::vector<Point>> rounds;
+    for (const std::vector<Point>& round : scene.rounds) rounds.push_back(Pixels(round));
+    picture_.Rounds(std::move(rounds), "landmark");
+  }
+
   void Names(const Scene& scene) {
     std::vector<Label> labels;
     for (const std::size_t k : NamedLandmarks(scene)) {
@@ -248,7 +254,10 @@ Picture MapPicture(const Scene& scene, double width, const MapView& view) {
       painter.Layer(RobotTitle(path.robot), [&] { painter.DrawPath(path, "path"); });
     painter.Layer("true landmarks", [&] { painter.Truth(scene); });
     painter.Layer("loops", [&] { painter.Loops(scene); });
-    painter.Layer("landmarks", [&] { painter.Landmarks(scene); });
+    painter.Layer("landmarks", [&] {
+      painter.Landmarks(scene);
+      painter.Rounds(scene);
+    });
     painter.Layer("names", [&] { painter.Names(scene); });
     painter.Layer("starts", [&] { painter.Starts(scene.paths); });
   });

@@ -40,6 +40,7 @@ class SceneMaker {
       if (log_ && evaluation_ != nullptr) AddTruthPath(names[r], r);
     }
     if (map_.landmark_x_m) AddLandmarks();
+    AddRounds();
     if (log_ && evaluation_ != nullptr) AddTruthLandmarks();
     if (map_.probability) AddGrid();
     return std::move(scene_);
@@ -104,6 +105,20 @@ class SceneMaker {
       landmark.name = known ? names[static_cast<std::size_t>(identity[k])] : std::to_string(k);
       landmark.spurious = evaluation_ != nullptr && evaluation_->landmarks.has_value();
       scene_.landmarks.push_back(std::move(landmark));
+    }
+  }
+
+  // An iteration that made no map shows the one before it.
+  void AddRounds() {
+    const auto history = FieldsIn<kinds::LandmarkMap::History>("history/", result_);
+    if (!history.landmark_iteration) return;
+    const std::span<const std::int64_t> iteration = history.landmark_iteration;
+    const std::vector<Point> landmarks = PointsOf(history.landmark_x_m, history.landmark_y_m);
+    std::int64_t last = -1;
+    for (std::size_t j = 0; j < landmarks.size(); ++j) {
+      if (j == 0 || iteration[j] != last) scene_.rounds.emplace_back();
+      last = iteration[j];
+      scene_.rounds.back().push_back(landmarks[j]);
     }
   }
 

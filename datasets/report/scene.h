@@ -71,6 +71,7 @@ struct Scene {
   };
   std::vector<Loop> loops;
   std::optional<Grid> grid;
+  std::vector<std::vector<Point>> rounds;  // the landmarks of each map that came before this one
 };
 
 // Names of landmarks that are their numbers tell people nothing once they are many: then they are left out.

@@ -226,7 +226,7 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
     CheckRobotsFitTheMap(sum, PerceptionIn(inputs, settings.map),
                          StepsOf(inputs, settings.map, robots.size()), *log);
   }
-  const Blob history = Extended(before, done, sum);
+  const Blob history = Extended(before, done, sum, m_step.landmarks);
   if (done.summarises()) {
     const std::vector<RobotSteps> steps = StepsOf(inputs, settings.map, robots.size());
     const bool at_a_distance = AnyAtADistance(steps);

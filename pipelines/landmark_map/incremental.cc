@@ -110,7 +110,7 @@ cairn::Step IncrementalResult(const Options& options, const State& state, Partia
   const std::vector<OdometryFit> odometry = RobotStates::Load(state, 1).odometry;
   const BlobPtr log = inputs.Get("log");
   return MakeResult(*log, settings, found, sum, odometry,
-                    Extended(*inputs.Get("history"), Schedule::Load(state, 1), sum),
+                    Extended(*inputs.Get("history"), Schedule::Load(state, 1), sum, {}),
                     RefineMapOf(*log, settings, found, sum, odometry,
                                 "not tried: the incremental baseline revises nothing", false, {}));
 }

@@ -122,6 +122,20 @@ TEST(LandmarkMap, TheLikelihoodNeverFallsUnderTheExactModel) {
   }
 }
 
+// Who looks at them sees the map come into being: the last is what refinement began with.
+TEST(LandmarkMap, KeepsTheLandmarksOfEachIteration) {
+  SquareLog log{.laps = 4, .side_m = 20.0, .drift_rad_per_m = 0.002};
+  const BlobPtr result = Map(log.Make(), {.cell_m = 0.5, .refine = false});
+  const auto iteration = result->Get<std::int64_t>("history/landmark_iteration");
+  const auto x = result->Get<double>("history/landmark_x_m"), map_x = result->Get<double>("map/landmark_x_m");
+  ASSERT_FALSE(iteration.empty());
+  EXPECT_TRUE(std::ranges::is_sorted(iteration));
+  EXPECT_EQ(iteration.front(), 0);
+  EXPECT_LT(iteration.back(), result->at("history/log_likelihood").size());
+  ASSERT_EQ(std::ranges::count(iteration, iteration.back()), std::ssize(map_x));
+  for (std::size_t k = 0; k < map_x.size(); ++k) EXPECT_EQ(x[x.size() - map_x.size() + k], map_x[k]);
+}
+
 TEST(LandmarkMap, StopsWhereTheLikelihoodNoLongerChanges) {
   const Blob log = SquareLog{.laps = 3, .side_m = 20.0}.Make();
   int some = 0, all = 0;

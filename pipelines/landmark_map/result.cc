@@ -46,6 +46,17 @@ struct Iteration {
   }
 };
 
+// Of history/: a landmark that stood in the map which an iteration made.
+struct EarlierLandmark {
+  std::int64_t landmark_iteration;
+  double landmark_x_m, landmark_y_m;
+  static void Fields(const auto& field) {
+    field("landmark_iteration", &EarlierLandmark::landmark_iteration);
+    field("landmark_x_m", &EarlierLandmark::landmark_x_m);
+    field("landmark_y_m", &EarlierLandmark::landmark_y_m);
+  }
+};
+
 // A pose and a heading correction at a step.
 struct Anchor {
   double x_m, y_m, correction_rad;
@@ -264,14 +275,21 @@ LayeredGrid FinalMap(const Blob& log, const Settings& settings, const Inputs& in
 
 Blob EmptyHistory() { return BlobOf(std::vector<Iteration>()); }
 
-Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum) {
+Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum,
+              const std::vector<Landmark>& landmarks) {
   auto iterations = RowsIn<Iteration>(history);
   iterations.push_back({sum.log_likelihood(), done.prefix, done.robots, 0, 0});
   for (std::size_t r = 0; r < static_cast<std::size_t>(done.robots); ++r) {
     iterations.back().guessed += sum.guessed(r);
     iterations.back().confirmed += sum.confirmed(r);
   }
-  return BlobOf(iterations);
+  Blob extended = BlobOf(iterations);
+  auto earlier =
+      history.Has("landmark_x_m") ? RowsIn<EarlierLandmark>(history) : std::vector<EarlierLandmark>();
+  for (const Landmark& landmark : landmarks)
+    earlier.push_back({std::ssize(iterations) - 1, landmark.x_m, landmark.y_m});
+  extended.PutAll("", BlobOf(earlier));
+  return extended;
 }
 
 Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs, const RoundSum& sum,

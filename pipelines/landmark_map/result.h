@@ -10,9 +10,10 @@
 
 namespace cairn::landmark_map {
 
-// The group history/: a row an iteration.
+// The group history/: a row an iteration, and the landmarks of the map that each made.
 Blob EmptyHistory();
-Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum);
+Blob Extended(const Blob& history, const Schedule& done, const RoundSum& sum,
+              const std::vector<Landmark>& landmarks);
 
 // The step that ends the stage. Inputs: the state's blob counts, and where EM made no iteration the stage's
 // map.

@@ -87,13 +87,17 @@ struct LandmarkMap {
   };
   struct History {
     Column<double> log_likelihood, prefix;
-    Column<std::int64_t> robots, guessed, confirmed;
+    Column<std::int64_t> robots, guessed, confirmed, landmark_iteration;
+    Column<double> landmark_x_m, landmark_y_m;
     static void Fields(const auto& field) {
       field({"log_likelihood", "I", Free()}, &History::log_likelihood);
       field({"prefix", "I", Share()}, &History::prefix);
       field({"robots", "I", From(0)}, &History::robots);
       field({"guessed", "I", From(0)}, &History::guessed);
       field({"confirmed", "I", From(0)}, &History::confirmed);
+      field({"landmark_iteration", "J", IndexInto("history/log_likelihood")}, &History::landmark_iteration);
+      field({"landmark_x_m", "J", Finite()}, &History::landmark_x_m);
+      field({"landmark_y_m", "J", Finite()}, &History::landmark_y_m);
     }
   };
   struct Search {

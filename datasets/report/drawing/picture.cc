@@ -16,6 +16,16 @@ namespace {
 // Finer than what is seen at first, for those who look closer.
 constexpr double kCoursePixels = 0.03;
 
+// "x,y x,y;x,y": a round after the other.
+std::string RoundsOf(const Element& s) {
+  std::string text;
+  for (const std::vector<Point>& round : s.rounds) {
+    if (!text.empty()) text.back() = ';';
+    for (const Point& point : round) text += fmt::format("{},{} ", Short(point.x_m), Short(point.y_m));
+  }
+  return text.substr(0, text.size() - 1);
+}
+
 // "x="3.5" y="7"" of a list of names and numbers.
 std::string Attributes(std::initializer_list<std::pair<const char*, double>> attributes) {
   std::string text;
@@ -125,6 +135,8 @@ std::string SvgOf(const Element& s, const std::string& id, bool map) {
     case kEndClip:
     case kEndLayer:
       return "</g>\n";
+    case kRounds:
+      return map ? fmt::format("<g{} data-rounds=\"{}\"/>\n", of, RoundsOf(s)) : "";
   }
   return {};
 }
@@ -168,16 +180,13 @@ void Picture::Ellipse(Point at, double major, double minor, double degrees, std:
 }
 
 void Picture::Rect(const Panel& p, std::string_view classes, std::string_view tip, std::optional<Rgb> fill) {
-  elements_.push_back({Element::Kind::kRect,
-                       std::string(classes),
-                       {{p.left, p.top}},
-                       p.width,
-                       p.height,
-                       0,
-                       std::string(tip),
-                       {},
-                       {},
-                       fill});
+  elements_.push_back({.kind = Element::Kind::kRect,
+                       .classes = std::string(classes),
+                       .points = {{p.left, p.top}},
+                       .width = p.width,
+                       .height = p.height,
+                       .text = std::string(tip),
+                       .fill = fill});
 }
 
 void Picture::Text(Point at, std::string_view text, std::string_view classes, double degrees) {
@@ -185,17 +194,12 @@ void Picture::Text(Point at, std::string_view text, std::string_view classes, do
 }
 
 void Picture::Image(const Panel& p, Raster raster) {
-  elements_.push_back({Element::Kind::kImage,
-                       "",
-                       {{p.left, p.top}},
-                       p.width,
-                       p.height,
-                       0,
-                       "",
-                       "",
-                       {},
-                       {},
-                       std::move(raster)});
+  elements_.push_back({.kind = Element::Kind::kImage,
+                       .classes = "",
+                       .points = {{p.left, p.top}},
+                       .width = p.width,
+                       .height = p.height,
+                       .raster = std::move(raster)});
 }
 
 void Picture::BeginClip(const Panel& p) {
@@ -213,9 +217,19 @@ void Picture::EndLayer() {
   elements_.push_back({.kind = Element::Kind::kEndLayer, .classes = "", .points = {}});
 }
 
+void Picture::Rounds(std::vector<std::vector<Point>> rounds, std::string_view classes) {
+  if (rounds.empty()) return;
+  elements_.push_back({.kind = Element::Kind::kRounds,
+                       .classes = std::string(classes),
+                       .points = {},
+                       .rounds = std::move(rounds)});
+}
+
 void Picture::Add(const Picture& other, Point by) {
   for (Element shape : other.elements_) {
-    for (Point& point : shape.points) point = {point.x_m + by.x_m, point.y_m + by.y_m};
+    const auto move = [by](Point& point) { point = {point.x_m + by.x_m, point.y_m + by.y_m}; };
+    std::ranges::for_each(shape.points, move);
+    for (std::vector<Point>& round : shape.rounds) std::ranges::for_each(round, move);
     elements_.push_back(std::move(shape));
   }
 }

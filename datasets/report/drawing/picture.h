@@ -41,7 +41,8 @@ struct Element {
     kBeginClip,
     kEndClip,
     kBeginLayer,
-    kEndLayer
+    kEndLayer,
+    kRounds
   } kind;
   std::string classes;
   std::vector<Point> points;  // ends, corners, centre; the upper left corner; a text's anchor on its baseline
@@ -50,7 +51,8 @@ struct Element {
   std::string text = {};             // of a circle or a rectangle: shown when the pointer rests on it
   std::string name = {};             // of a circle: written beside it where there is room
   std::vector<double> times_s = {};  // of a polyline's points; empty where they have none
-  std::optional<Rgb> fill = {};      // where no class says
+  std::vector<std::vector<Point>> rounds = {};  // what stood there before, round by round
+  std::optional<Rgb> fill = {};                 // where no class says
   Raster raster = {};
 };
 
@@ -83,6 +85,9 @@ class Picture {
   // Everything until the matching EndLayer can be shown and hidden by this name. Layers do not nest.
   void BeginLayer(std::string_view name);
   void EndLayer();
+  // What stood, one round after the other, in the place of what the layer shows: places that page.js draws on
+  // demand.
+  void Rounds(std::vector<std::vector<Point>> rounds, std::string_view classes);
   // Where on the world what is clipped by the panel lies: then people can look around in it (map_viewer.js).
   void SetMap(const MapFrame& frame) { map_ = frame; }
   // All of another, moved by `by`.

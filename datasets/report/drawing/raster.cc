@@ -34,7 +34,7 @@ class Painter {
   void Paint(const Element& shape) {
     using enum Element::Kind;
     const Look look = LookOf(shape.classes);
-    if (shape.kind == kBeginLayer || shape.kind == kEndLayer) return;
+    if (shape.kind == kBeginLayer || shape.kind == kEndLayer || shape.kind == kRounds) return;
     if (shape.kind == kBeginClip) {
       seen_ = Pixels(shape) & cv::Rect(0, 0, image_.cols, image_.rows);
     } else if (shape.kind == kEndClip) {

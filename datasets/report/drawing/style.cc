@@ -223,7 +223,8 @@ button { font:13px/1 inherit; color:var(--ink); background:var(--paper); border:
 .viewer-layers { display:flex; flex-wrap:wrap; gap:2px 18px; list-style:none; margin:0 0 8px; padding:0; font-size:13.5px; }
 .viewer-layers label, .viewer-time { display:flex; align-items:center; gap:6px; }
 .viewer-time { font-size:13.5px; margin:8px 0 0; gap:12px; } .viewer-time input { flex:1; accent-color:var(--accent); }
-.viewer-time output { min-width:8ch; text-align:right; font-variant-numeric:tabular-nums; } input { accent-color:var(--accent); }
+.viewer-time span { min-width:8ch; }
+.viewer-time output { min-width:21ch; text-align:right; font-variant-numeric:tabular-nums; } input { accent-color:var(--accent); }
 .save { display:flex; gap:6px; margin:6px 0 0; } .save button { font-size:12px; padding:4px 8px; color:var(--soft); }
 @media screen { .has-viewer > .wide, .has-viewer > .narrow { display:none; } }
 @media print { .viewer, .save { display:none; } }

@@ -136,6 +136,7 @@ class MapViewer {
       name: group.getAttribute("data-layer"), shown: true,
       shapes: [...group.children].map(readShape).filter((shape) => shape)}));
     this.layers = this.layers.filter((layer) => layer.shapes.length > 0);
+    this.readRounds();
     this.names = {name: "names", shown: true, shapes: []};
     this.looks = new Map();
     this.until = null;  // seconds: only what was until then
@@ -157,7 +158,8 @@ class MapViewer {
       button("All", "Show all", () => this.reset()));
     this.box = make("div", {class: "viewer-box"}, this.canvas, tools, this.tip, this.place);
     this.box.style.aspectRatio = `${this.panel.width} / ${this.panel.height}`;
-    this.root = make("div", {class: "viewer"}, this.layerList(), this.box, ...this.timeLine());
+    this.root = make("div", {class: "viewer"}, this.layerList(), this.box, ...this.timeLine(),
+      ...this.roundLine());
     this.svg.closest("figure").prepend(this.root);
     this.figure.classList.add("has-viewer");
     this.listen();
@@ -184,6 +186,42 @@ class MapViewer {
     return list;
   }
 
+  // The maps that came before this one: of the layer that has them, its circles are this one's.
+  readRounds() {
+    const group = this.svg.querySelector("[data-rounds]");
+    this.rounds = (group?.getAttribute("data-rounds") || "").split(";").filter((text) => text).map((round) =>
+      round.split(" ").map((place) => {
+        const [x, y] = place.split(",").map(Number);
+        return {tag: "circle", classes: group.getAttribute("class"), tip: "", name: null, x, y, r: 3.2};
+      }));
+    this.round = null;  // of `rounds`; null: this one
+    const name = group?.closest("g[data-layer]").getAttribute("data-layer");
+    this.roundsLayer = this.layers.find((layer) => layer.name === name);
+  }
+  shapesOf(layer) {
+    return this.round !== null && layer === this.roundsLayer ? this.rounds[this.round] : layer.shapes;
+  }
+
+  roundLine() {
+    if (this.rounds.length < 2) return [];
+    const last = this.rounds.length;
+    return [this.slider("Iteration", last, (value) => {
+      this.round = value < last ? value : null;
+      return value < last ? `${value + 1} of ${last}, ${this.rounds[value].length} landmarks` : "this map";
+    })];
+  }
+
+  slider(title, last, at) {
+    const input = make("input", {type: "range", min: "0", max: `${last}`, value: `${last}`, "aria-label": title});
+    const text = make("output", {}, at(last));
+    input.addEventListener("input", () => {
+      text.textContent = at(+input.value);
+      input.setAttribute("aria-valuetext", text.textContent);
+      this.draw();
+    });
+    return make("label", {class: "viewer-time"}, make("span", {}, title), input, text);
+  }
+
   // A slider over the time that the robots' paths take.
   timeLine() {
     const timed = this.layers.flatMap((layer) => layer.shapes).filter((shape) => shape.times && /^path /.test(shape.classes));
@@ -191,16 +229,11 @@ class MapViewer {
     this.timed = timed;
     const first = Math.min(...timed.map((s) => s.times[0])), last = Math.max(...timed.map((s) => s.times.at(-1)));
     if (!(last > first)) return [];
-    const slider = make("input", {type: "range", min: "0", max: "1000", value: "1000", "aria-label": "Time along the paths"});
-    const text = make("output", {}, "all");
-    slider.addEventListener("input", () => {
-      const share = slider.value / 1000;
-      this.until = share < 1 ? first + share * (last - first) : null;
-      text.textContent = this.until === null ? "all" : clock(this.until);
-      slider.setAttribute("aria-valuetext", text.textContent);
-      this.draw();
-    });
-    return [make("label", {class: "viewer-time"}, "Time", slider, text)];
+    const steps = 1000;
+    return [this.slider("Time", steps, (value) => {
+      this.until = value < steps ? first + value / steps * (last - first) : null;
+      return this.until === null ? "all" : clock(this.until);
+    })];
   }
 
   // -- Where one looks: scale is in pixels for one of the picture's units, (x, y) the unit at the box's corner.
@@ -309,7 +342,7 @@ class MapViewer {
     const lines = this.paintGrid(context, width, height);
     for (const layer of this.layers) {
       if (!layer.shown) continue;
-      for (const shape of layer.shapes) this.paintShape(context, shape, ratio);
+      for (const shape of this.shapesOf(layer)) this.paintShape(context, shape, ratio);
     }
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     if (this.names.shown) this.paintNames(context, width, height);
@@ -431,7 +464,7 @@ class MapViewer {
     const clear = (box) => taken.every((t) => box.x1 < t.x0 || box.x0 > t.x1 || box.y1 < t.y0 || box.y0 > t.y1);
     for (const layer of this.layers) {
       if (!layer.shown) continue;
-      for (const shape of layer.shapes) {
+      for (const shape of this.shapesOf(layer)) {
         if (!shape.name) continue;
         const at = this.toPixels(shape.x, shape.y);
         if (at.x < 0 || at.y < 0 || at.x > width || at.y > height) continue;
@@ -514,7 +547,7 @@ class MapViewer {
     let best = reach, text = "";
     for (const layer of this.layers) {
       if (!layer.shown) continue;
-      for (const shape of layer.shapes) {
+      for (const shape of this.shapesOf(layer)) {
         if (!shape.tip || shape.r === undefined) continue;
         const there = this.toPixels(shape.x, shape.y), apart = Math.hypot(there.x - at.x, there.y - at.y);
         if (apart < best) [best, text] = [apart, shape.tip];
