@@ -86,6 +86,25 @@ std::string WithWords(const std::string& name, const ScoreValue& value, const st
   return TextOf(name, value, with_unit) + words;
 }
 
+// In the unit that people read; none of what is no number.
+std::optional<double> NumberOf(const std::string& name, const ScoreValue& value) {
+  if (const auto* number = std::get_if<double>(&value)) return *number * ReadingOf(name).factor;
+  if (const auto* share = std::get_if<Share>(&value)) return 100 * share->value;
+  if (const auto* count = std::get_if<std::int64_t>(&value)) return static_cast<double>(*count);
+  if (const auto* count = std::get_if<std::uint64_t>(&value)) return static_cast<double>(*count);
+  return std::nullopt;
+}
+
+std::string DifferenceOf(const std::string& name, const ScoreValue& a, const ScoreValue& b) {
+  const auto from = NumberOf(name, a), to = NumberOf(name, b);
+  if (!from || !to) return {};
+  const int digits = std::holds_alternative<double>(a)  ? ReadingOf(name).digits
+                     : std::holds_alternative<Share>(a) ? 1
+                                                        : 0;
+  const std::string text = Rounded(*to - *from, digits);
+  return text.front() == '-' || *to == *from ? text : "+" + text;
+}
+
 }  // namespace
 
 ScoreValue ShareOf(std::int64_t count, std::int64_t of) {
@@ -173,6 +192,26 @@ std::string Scores::Table(const std::vector<Scores>& rows) {
     text += "\n";
   }
   return text;
+}
+
+std::vector<std::array<std::string, 4>> Scores::Compared(const Scores& a, const Scores& b) {
+  std::vector<std::array<std::string, 4>> rows;
+  const auto is_read = [](const Entry& entry) { return entry.for_people && !entry.rows; };
+  const auto text = [](const Entry& e) { return WithWords(e.name, e.value, e.words, true); };
+  for (const Entry& of_a : a.entries_) {
+    if (!is_read(of_a)) continue;
+    const auto of_b = std::ranges::find_if(
+        b.entries_, [&](const Entry& entry) { return is_read(entry) && entry.name == of_a.name; });
+    const bool both = of_b != b.entries_.end();
+    rows.push_back({NameForPeople(of_a.name), text(of_a), both ? text(*of_b) : "",
+                    both ? DifferenceOf(of_a.name, of_a.value, of_b->value) : ""});
+  }
+  for (const Entry& of_b : b.entries_) {
+    const auto same = [&](const Entry& entry) { return is_read(entry) && entry.name == of_b.name; };
+    if (is_read(of_b) && std::ranges::none_of(a.entries_, same))
+      rows.push_back({NameForPeople(of_b.name), "", text(of_b), ""});
+  }
+  return rows;
 }
 
 std::string Scores::ToText(std::size_t narrowest) const {

@@ -2,6 +2,7 @@
 // programs read the same one.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -50,6 +51,10 @@ class Scores {
   // A line each: name, value, unit, words. Angles in radians are in degrees here.
   // The names' column has so many characters at least.
   std::string ToText(std::size_t narrowest = 32) const;
+
+  // What people read of two, side by side: name, of `a`, of `b`, and where both are numbers how much more b's
+  // is. Tables are left out.
+  static std::vector<std::array<std::string, 4>> Compared(const Scores& a, const Scores& b);
 
  private:
   struct Entry {

@@ -90,5 +90,28 @@ TEST(Scores, GroupsStandUnderTheirName) {
   EXPECT_EQ(scores.ToText(), "most_likely.cells.free          2\n");
 }
 
+TEST(Scores, AreComparedByTheirNames) {
+  Scores a, b;
+  a.Add("landmarks.found", std::int64_t{3}, " of 4 observed");
+  a.Add("turned_rad", 0.5);
+  a.Add("share", Share{0.25});
+  a.Add("correct", false);
+  a.AddRows("robots", {Scores()});
+  a.Add("only_a_m", 1.0);
+  b.Add("share", Share{0.125});
+  b.Add("landmarks.found", std::int64_t{4}, " of 4 observed");
+  b.Add("turned_rad", 0.5);
+  b.Add("correct", true);
+  b.Add("only_b_s", OrNone(std::optional<double>()));
+  using Row = std::array<std::string, 4>;
+  EXPECT_EQ(Scores::Compared(a, b),
+            (std::vector<Row>{{"landmarks.found", "3 of 4 observed", "4 of 4 observed", "+1"},
+                              {"turned_deg", "28.65 degrees", "28.65 degrees", "0.00"},
+                              {"share", "25.0%", "12.5%", "-12.5"},
+                              {"correct", "no", "yes", ""},
+                              {"only_a_m", "1.000 m", "", ""},
+                              {"only_b_s", "", "unknown", ""}}));
+}
+
 }  // namespace
 }  // namespace cairn::datasets

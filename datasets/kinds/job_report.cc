@@ -1,9 +1,13 @@
 #include "datasets/kinds/job_report.h"
 
+#include <algorithm>
+#include <sstream>
+
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/pages/facts.h"
 #include "datasets/report/pages/parts.h"
 #include "schema/kinds/kind.h"
+#include "schema/kinds/provenance.h"
 
 namespace cairn::datasets {
 namespace report {
@@ -40,8 +44,74 @@ std::string ContentsHtml(const std::vector<ReportedStage>& stages) {
   return "<nav>\n" + links + "</nav>\n";
 }
 
+Scores ScoresOf(const ReportedStage& stage) {
+  if (stage.evaluated) return MakeScores(*stage.evaluated);
+  const auto summary = RowOf(stage).summary;
+  return summary == nullptr ? Scores() : summary(*stage.result);
+}
+
+std::vector<std::string> JobLines(const Blob& result) {
+  std::vector<std::string> lines;
+  if (const Texts yaml = kinds::Provenance::In(result).job_yaml) {
+    std::istringstream text(yaml.Scalar());
+    for (std::string line; std::getline(text, line);) lines.push_back(line);
+  }
+  return lines;
+}
+
+// Of what one job says and the other does not, in their order.
+Table DifferentLines(const Blob& a, const Blob& b, const Table::value_type& head) {
+  Table rows{head};
+  const std::vector<std::string> of_a = JobLines(a), of_b = JobLines(b);
+  const auto add = [&](const std::vector<std::string>& lines, const std::vector<std::string>& others,
+                       bool first) {
+    for (const std::string& line : lines) {
+      if (std::ranges::find(others, line) != others.end()) continue;
+      rows.push_back(first ? Table::value_type{line, ""} : Table::value_type{"", line});
+    }
+  };
+  add(of_a, of_b, true);
+  add(of_b, of_a, false);
+  return rows;
+}
+
+std::string PairHtml(const ReportedPair& pair, const std::string& a, const std::string& b) {
+  if (KindOf(*pair.a.result) != KindOf(*pair.b.result))
+    throw InputError("'" + pair.a.name + "' is " + WithArticle(KindOf(*pair.a.result)) + " and '" +
+                     pair.b.name + "' is " + WithArticle(KindOf(*pair.b.result)) +
+                     ": only results of a kind can be compared");
+  Table scores{{"", a, b, "difference"}};
+  std::int64_t same = 0;
+  for (const auto& row : Scores::Compared(ScoresOf(pair.a), ScoresOf(pair.b))) {
+    if (row[1] == row[2])
+      ++same;
+    else
+      scores.emplace_back(row.begin(), row.end());
+  }
+  const Table lines = DifferentLines(*pair.a.result, *pair.b.result, {a, b});
+  const auto compared = [](const Table& rows) {
+    return rows.size() > 1 ? "<div class=\"compared\">\n" + TableHtml(rows) + "</div>\n" : std::string();
+  };
+  std::string html = SectionHtml(
+      "Scores", compared(scores) + (same > 0 ? "<p>" + Count(same, "score") + " the same.</p>\n" : ""));
+  html += SectionHtml("Jobs", lines.size() > 1 ? compared(lines) : "<p>The jobs say the same.</p>\n");
+  html += "<div class=\"beside\">\n";
+  for (const auto& [stage, name] : {std::pair(&pair.a, &a), std::pair(&pair.b, &b)})
+    html += "<article>\n<h1 class=\"stage\">" + Escape(*name) + " <small>" + Escape(KindOf(*stage->result)) +
+            "</small></h1>\n" + BodyHtml(*stage) + "</article>\n";
+  return html + "</div>\n";
+}
+
 }  // namespace
 }  // namespace report
+
+std::string ComparisonHtml(const std::vector<ReportedPair>& pairs, const std::string& a,
+                           const std::string& b) {
+  CAIRN_DEMAND(!pairs.empty(), "something to compare");
+  std::string html;
+  for (const ReportedPair& pair : pairs) html += report::PairHtml(pair, a, b);
+  return report::PageHtml(a + " beside " + b, html, *pairs.front().a.result);
+}
 
 std::string JobReportHtml(const std::vector<ReportedStage>& stages, const std::string& title,
                           const std::string& note) {

@@ -17,6 +17,16 @@ namespace cairn::datasets {
 std::string JobReportHtml(const std::vector<ReportedStage>& stages, const std::string& title = "",
                           const std::string& note = "");
 
+// Two results of a kind each, side by side: how far to trust them, their scores with the differences, the
+// lines of their jobs that differ, and their pages; whoever looks around in a map of one looks at the same
+// place of the other's. `a`, `b`: what they are called there.
+// Throws as above, and InputError where the kinds differ.
+struct ReportedPair {
+  ReportedStage a, b;
+};
+std::string ComparisonHtml(const std::vector<ReportedPair>& pairs, const std::string& a,
+                           const std::string& b);
+
 // The picture of a stage, as a PNG file of `width_px` (400 to 10000): of maps with axes, a scale bar and a
 // legend, of networks what they see along a run, of a localization its error or, without samples, how sure
 // robots are.

@@ -163,6 +163,23 @@ TEST_F(ReportOfALoop, HasEachPictureOfCellsOnce) {
   EXPECT_EQ(CountIn(html, "data:image/png"), 2U);
 }
 
+TEST_F(ReportOfALoop, StandsBesideAnother) {
+  Blob moved = result_;
+  moved.Put("provenance/job_yaml", Array::Text("name: a <b> & \"c\"\nseed: 2\n"));
+  const ReportedStage a{.name = "map", .result = &result_, .source = &log_, .evaluated = evaluation_},
+      b{.name = "map", .result = &moved, .source = &log_, .evaluated = evaluation_};
+  const std::string html = ComparisonHtml({{a, b}}, "one/<1>", "two");
+  EXPECT_EQ(FirstUnbalancedTag(html), "");
+  ExpectContains(html, "<th>one/&lt;1&gt;</th><th>two</th>");
+  ExpectContains(html, "scores the same.");
+  ExpectContains(html, "<td>seed: 2</td>");
+  EXPECT_EQ(CountIn(html, "name: a &lt;b&gt;"), 0U) << "what the jobs have in common";
+  EXPECT_EQ(CountIn(html, "data-panel=\""), 2U);
+  Blob grid;
+  grid.Put("kind", Array::Text("grid_map"));
+  EXPECT_THROW(ComparisonHtml({{a, {.name = "grid", .result = &grid}}}, "a", "b"), InputError);
+}
+
 TEST_F(ReportOfALoop, SaysThatARefinementWasRefused) {
   EXPECT_EQ(CountIn(PageOf(result_, &log_, &evaluation_), "refinement"), 0U);
   Blob refused = result_;

@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 struct ReportArguments {
   bool changed = false;
   std::string result;
+  std::string beside;  // another, to be shown with it; empty: none
   std::string log;
   std::string out;
   bool force = false;
@@ -50,9 +51,9 @@ std::size_t MainStage(const std::vector<ScoredStage>& stages) {
 }
 
 // Beside the result, where nothing else is said.
-std::string DefaultOut(const std::string& result) {
-  const fs::path folder = fs::is_directory(result) ? fs::path(result) : fs::path(result).parent_path();
-  return (folder / "report.html").string();
+std::string DefaultOut(const ReportArguments& options) {
+  const fs::path result = options.result, folder = fs::is_directory(result) ? result : result.parent_path();
+  return (folder / (options.beside.empty() ? "report.html" : "comparison.html")).string();
 }
 
 // Where in its job's chain a result stands.
@@ -68,17 +69,17 @@ std::size_t OrderOf(const ScoredStage& stage) {
 
 // The results that a page can show: the file, or all that are right in the folder, those of a job in its
 // order. Of `several` jobs each has its file's name too, for stages of two may be called the same.
-std::vector<ScoredStage> ReadStages(const ReportArguments& options, const BlobPtr& log, bool several) {
-  const bool folder = fs::is_directory(options.result);
+std::vector<ScoredStage> ReadStages(const std::string& result, bool changed, const BlobPtr& log,
+                                    bool several) {
   std::vector<ScoredStage> stages;
   std::vector<std::string> found;
   for (const std::string& file :
-       folder ? FilesOf(options.result) : std::vector{ResultPath(options.result, "")}) {
+       fs::is_directory(result) ? FilesOf(result) : std::vector{ResultPath(result, "")}) {
     const std::string kind = Take(ListBlobFile(file)).kind;
     found.push_back(file + ", " + WithArticle(kind));
     const datasets::ResultKind* row = datasets::FindResultKind(kind);
     if (row == nullptr) continue;
-    const auto blob = std::make_shared<const Blob>(ReadFile(file, options.changed).blob);
+    const auto blob = std::make_shared<const Blob>(ReadFile(file, changed).blob);
     stages.push_back({.name = StageOf(*blob, file),
                       .kind = kind,
                       .result = blob,
@@ -87,7 +88,7 @@ std::vector<ScoredStage> ReadStages(const ReportArguments& options, const BlobPt
     stages.back().Score();
   }
   if (stages.empty())
-    throw InputError("there is no result in '" + options.result + "' that has a page" +
+    throw InputError("there is no result in '" + result + "' that has a page" +
                      (found.empty() ? std::string() : ": there is " + Join(found)));
   SortByJob(&stages);
   return stages;
@@ -95,15 +96,37 @@ std::vector<ScoredStage> ReadStages(const ReportArguments& options, const BlobPt
 
 // The files that are read for a page.
 std::vector<std::string> FilesRead(const ReportArguments& options) {
-  std::vector<std::string> inputs =
-      fs::is_directory(options.result) ? FilesOf(options.result) : std::vector{options.result};
-  inputs.push_back(options.log);
+  std::vector<std::string> inputs{options.log};
+  for (const std::string& result : {options.result, options.beside})
+    std::ranges::copy(fs::is_directory(result) ? FilesOf(result) : std::vector{result},
+                      std::back_inserter(inputs));
   return inputs;
 }
 
+// Each stage with the first of the others that is of its kind, of those with its name where there are some.
+std::string ComparisonOf(const std::vector<ScoredStage>& stages, std::vector<ScoredStage> others,
+                         const ReportArguments& options) {
+  std::vector<datasets::ReportedPair> pairs;
+  for (const ScoredStage& stage : stages) {
+    const auto is_like = [&](const ScoredStage& other) { return other.kind == stage.kind; };
+    auto other = std::ranges::find_if(
+        others, [&](const ScoredStage& s) { return is_like(s) && s.name == stage.name; });
+    if (other == others.end()) other = std::ranges::find_if(others, is_like);
+    if (other == others.end()) continue;
+    pairs.push_back({Reported(stage), Reported(*other)});
+    other->kind.clear();  // it is taken
+  }
+  if (pairs.empty())
+    throw InputError("no result in '" + options.beside + "' is of the kind of one in '" + options.result +
+                     "', which is " + WithArticle(stages.front().kind));
+  return datasets::ComparisonHtml(pairs, options.result, options.beside);
+}
+
 int Report(const ReportArguments& options, const Invocation&) {
-  if (!fs::exists(options.result)) throw InputError("there is no file or folder '" + options.result + "'");
-  const std::string out = options.out.empty() ? DefaultOut(options.result) : options.out;
+  for (const std::string& result : {options.result, options.beside})
+    if (!result.empty() && !fs::exists(result))
+      throw InputError("there is no file or folder '" + result + "'");
+  const std::string out = options.out.empty() ? DefaultOut(options) : options.out;
   CheckOutputIsNoInput(out, FilesRead(options));
   CheckOverwrite(out, options.force);
   BlobPtr log;
@@ -115,11 +138,14 @@ int Report(const ReportArguments& options, const Invocation&) {
     log = std::make_shared<const Blob>(std::move(file.blob));
   }
   const std::string several = SeveralJobs(options.result);
-  const std::vector<ScoredStage> stages = ReadStages(options, log, !several.empty());
+  const std::vector<ScoredStage> stages = ReadStages(options.result, options.changed, log, !several.empty());
   if (log && std::ranges::all_of(stages, [](const ScoredStage& stage) { return stage.source == nullptr; }))
     throw InputError("--log: networks are not made from a log");
   WarnOfSeveralJobs(options.result, "the page shows all of them");
-  WritePage(out, PageOf(stages, several));
+  if (options.beside.empty())
+    WritePage(out, PageOf(stages, several));
+  else
+    WritePage(out, ComparisonOf(stages, ReadStages(options.beside, options.changed, log, false), options));
   std::printf("%s\n", out.c_str());
   return kExitDone;
 }
@@ -175,6 +201,10 @@ void AddReport(Command app, Invocation& call) {
                                   "cairn report result --log log.h5 --out page.html", Report, &command);
   command.Add("RESULT", options->result, "A result file, or the folder given as --out: all that is in it")
       .Required();
+  command.Add(
+      "--beside", options->beside,
+      "Another result, or folder of results: the page (comparison.html) shows both, what differs in scores "
+      "and jobs, and their maps, in which one looks around together");
   command.Add("--log", options->log,
               "The log that it was made from: adds raw odometry, and truth; of a "
               "localization the samples: adds errors; of a grid_map adds scores");

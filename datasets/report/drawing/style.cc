@@ -225,6 +225,9 @@ button { font:13px/1 inherit; color:var(--ink); background:var(--paper); border:
 .viewer-time { font-size:13.5px; margin:8px 0 0; gap:12px; } .viewer-time input { flex:1; accent-color:var(--accent); }
 .viewer-time span { min-width:8ch; }
 .viewer-time output { min-width:21ch; text-align:right; font-variant-numeric:tabular-nums; } input { accent-color:var(--accent); }
+.beside { display:grid; grid-template-columns:minmax(0,1fr) minmax(0,1fr); gap:0 28px; } main:has(.beside) { max-width:1760px; }
+.compared td { white-space:normal; text-align:left; vertical-align:top; } .compared th { text-align:left; }
+.beside .wide { display:none; } .beside .narrow { display:block; }
 .save { display:flex; gap:6px; margin:6px 0 0; } .save button { font-size:12px; padding:4px 8px; color:var(--soft); }
 @media screen { .has-viewer > .wide, .has-viewer > .narrow { display:none; } }
 @media print { .viewer, .save { display:none; } }

@@ -325,9 +325,28 @@ class MapViewer {
     });
   }
 
+  // Two maps beside each other are looked at together.
+  link(other) {
+    this.linked = other;
+    other.linked = this;
+  }
+  lead() {
+    if (!this.linked?.scale) return;
+    const from = this.metres, to = this.linked.metres, middle = this.toMetres({x: this.size.width / 2, y: this.size.height / 2});
+    const there = this.linked.toUnits(middle.x, middle.y), {width, height} = this.linked.size;
+    this.linked.scale = this.scale / from.perUnit * to.perUnit;
+    this.linked.x = there.x - width / 2 / this.linked.scale;
+    this.linked.y = there.y - height / 2 / this.linked.scale;
+    this.linked.drawAlone();
+  }
+
   // -- Drawing.
 
   draw() {
+    this.lead();
+    this.drawAlone();
+  }
+  drawAlone() {
     if (this.asked) return;
     this.asked = requestAnimationFrame(() => {
       this.asked = 0;
@@ -606,12 +625,17 @@ class MapViewer {
 
 // ---- All of it, on this page.
 
+const viewers = new Map();
 for (const figure of document.querySelectorAll("figure")) {
   const svg = figure.querySelector(".wide svg") || figure.querySelector("svg");
   if (!svg) continue;
   figure.append(make("p", {class: "save"}, button("SVG", "Save this picture as SVG", () => saveSvg(svg)),
     button("PNG", "Save this picture as PNG", () => savePng(svg))));
-  if (svg.hasAttribute("data-panel")) new MapViewer(svg, figure);
+  if (svg.hasAttribute("data-panel")) viewers.set(figure, new MapViewer(svg, figure));
+}
+for (const pair of document.querySelectorAll(".beside")) {
+  const [left, right] = [...pair.children].map((side) => [...side.querySelectorAll("figure")].filter((f) => viewers.has(f)));
+  left.forEach((figure, i) => right[i] && viewers.get(figure).link(viewers.get(right[i])));
 }
 for (const table of document.querySelectorAll("table"))
   table.parentElement.after(make("p", {class: "save"}, button("CSV", "Save this table as CSV", () => saveCsv(table))));
