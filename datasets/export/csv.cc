@@ -3,6 +3,7 @@
 #include <set>
 
 #include "datasets/common/array_text.h"
+#include "datasets/common/landmark_labels.h"
 #include "datasets/export/export.h"
 #include "datasets/export/parts.h"
 #include "schema/kinds/landmark_map.h"
@@ -116,6 +117,7 @@ void WriteLandmarks(const kinds::LandmarkMap& of, const std::vector<MapLandmark>
                     FolderWriter* writer) {
   const std::span<const std::int32_t> identity = of.map.landmark_identity.OrNone();
   const std::span<const double> count = of.map.landmark_count.OrNone();
+  const std::vector<std::string> labels = LandmarkLabels(of.map, of.landmarks.OrNone());
   std::string rows;
   for (std::size_t k = 0; k < landmarks.size(); ++k) {
     const MapLandmark& landmark = landmarks[k];
@@ -124,10 +126,10 @@ void WriteLandmarks(const kinds::LandmarkMap& of, const std::vector<MapLandmark>
          {landmark.at.x_m, landmark.at.y_m, landmark.var_xx_m2, landmark.var_xy_m2, landmark.var_yy_m2})
       rows += "," + Number(value);
     rows += "," + Name(of.landmarks.OrNone(), identity.empty() ? -1 : identity[k]) + "," +
-            Number(count.empty() ? NAN : count[k]) + "\n";
+            Number(count.empty() ? NAN : count[k]) + "," + Field(labels[k]) + "\n";
   }
   writer->Write("landmarks.csv",
-                "map_landmark,x_m,y_m,var_xx_m2,var_xy_m2,var_yy_m2,landmark,observations\n" + rows);
+                "map_landmark,x_m,y_m,var_xx_m2,var_xy_m2,var_yy_m2,landmark,observations,label\n" + rows);
 }
 
 void WriteResult(const kinds::LandmarkMap& map, const std::vector<MapLandmark>& landmarks,

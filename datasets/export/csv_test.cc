@@ -85,8 +85,8 @@ TEST(ExportCsv, AResultBecomesPosesLandmarksAndAssociations) {
   ExpectContains(FileText(folder / "poses.csv"),
                  "time_s,robot,x_m,y_m,heading_rad,mode_x_m,mode_y_m,mode_heading_rad\n1,Rosa,9,9,0,0,0,0\n");
   EXPECT_EQ(FileText(folder / "landmarks.csv"),
-            "map_landmark,x_m,y_m,var_xx_m2,var_xy_m2,var_yy_m2,landmark,observations\n"
-            "0,2,0,0.04,0,0.01,door,1\n1,1,2,0.1,0,0.1,,0.5\n");
+            "map_landmark,x_m,y_m,var_xx_m2,var_xy_m2,var_yy_m2,landmark,observations,label\n"
+            "0,2,0,0.04,0,0.01,door,1,door\n1,1,2,0.1,0,0.1,,0.5,#1\n");
   EXPECT_EQ(FileText(folder / "associations.csv"),
             "robot,observation,map_landmark,probability\nRosa,0,0,1\nRosa,1,,0\nRosa,2,1,0.5\n");
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "datasets/common/control.h"
+#include "datasets/common/landmark_labels.h"
 #include "datasets/evaluate/landmarks.h"
 #include "datasets/evaluate/track.h"
 #include "datasets/report/drawing/format.h"
@@ -93,16 +94,15 @@ class SceneMaker {
     const std::vector<Point> points = PointsOf(map_.landmark_x_m, map_.landmark_y_m);
     const std::span<const double> covariance = map_.landmark_covariance_m2;
     const std::span<const std::int32_t> identity = map_.landmark_identity;
-    const std::vector<std::string> names = result_.Texts("landmarks");
+    const std::vector<std::string> labels = LandmarkLabels(map_, Texts::In(result_, "landmarks").OrNone());
     for (std::size_t k = 0; k < points.size(); ++k) {
       MapLandmark landmark;
       landmark.at = points[k];
       landmark.ellipse = EllipseOf(points[k], {covariance[4 * k], covariance[4 * k + 1],
                                                covariance[4 * k + 2], covariance[4 * k + 3]});
       landmark.count = map_.landmark_count[k];
-      const bool known = identity[k] >= 0;
-      landmark.identified = known;
-      landmark.name = known ? names[static_cast<std::size_t>(identity[k])] : std::to_string(k);
+      landmark.identified = identity[k] >= 0;
+      landmark.name = labels[k];
       landmark.spurious = evaluation_ != nullptr && evaluation_->landmarks.has_value();
       scene_.landmarks.push_back(std::move(landmark));
     }

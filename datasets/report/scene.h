@@ -41,7 +41,7 @@ struct MapLandmark {
   Point at;
   EllipseM ellipse;
   double count = 0;               // expected observations
-  std::string name;               // its identity's, else its number
+  std::string name;               // its label (landmark_labels.h)
   bool identified = false;        // the name is its identity's
   bool spurious = false;          // an evaluation found no true one near it
   std::optional<double> error_m;  // to its true one

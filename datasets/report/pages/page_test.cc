@@ -159,6 +159,21 @@ TEST_F(Page, IsCalledByItsLogAndItsJob) {
   ExpectContains(HtmlOf(unknown), "<title>landmarks</title>");
 }
 
+// `7` may be a name; a landmark without one is called by what is none.
+TEST_F(Page, ALandmarkWithoutANameBearsNoOthersName) {
+  Blob map = map_;
+  std::vector<std::int32_t> identity(static_cast<std::size_t>(map.at("map/landmark_x_m").size()), -1);
+  identity[0] = 0;
+  map.Put("landmarks", Array::Texts({"1"}));
+  map.PutVector("map/landmark_identity", identity);
+  const std::string html = HtmlOf(map);
+  const auto count = [&](const char* name) {
+    return Found(html, std::string("landmark (") + name + ") at [(]").size();
+  };
+  EXPECT_GT(count("1"), 0U);
+  EXPECT_EQ(count("#1"), count("1"));
+}
+
 TEST_F(Page, SaysHowSureTheMapIsInTheWordsOfTheSummary) {
   const auto said = Between(html_, "<p class=\"verdict\">", "</p>");
   ASSERT_EQ(said.size(), 1U);
