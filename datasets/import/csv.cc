@@ -25,12 +25,6 @@ std::string Shown(double value) { return std::to_string(value); }
 // What a log's times and those of another table may differ by for having been rounded.
 constexpr double kRounding_s = 1;
 
-// What programs write where they know no name.
-bool MeansUnknown(std::string_view name) {
-  constexpr std::array kWords = {"-1", "unknown", "none", "nan", "null", "na", "n/a"};
-  return std::ranges::find(kWords, InSmallLetters(name)) != kWords.end();
-}
-
 // Why a time may lie beyond a log of `first` to `last`: its unit, or its clock; nothing where it is only
 // late.
 std::string OtherTimes(double time, double first, double last) {
@@ -109,8 +103,9 @@ class CsvImport {
   RobotRows* RobotOrNew(CsvReader* reader) {
     const auto name = reader->Has(kRobot) ? reader->Name(kRobot) : std::optional(kOnlyRobot);
     if (!name) return nullptr;
-    if (name->empty()) {
-      reader->Bad("unknown robot", "the column is empty");
+    if (name->empty() || MeansUnknown(*name)) {
+      reader->Bad("unknown robot",
+                  name->empty() ? "the column is empty" : "'" + std::string(*name) + "' is no robot's name");
       return nullptr;
     }
     const auto robot = static_cast<std::size_t>(robots_.FindOrAdd(*name));
@@ -212,7 +207,7 @@ class CsvImport {
     while (reader.Next()) {
       const auto x = reader.Number(1), y = x ? reader.Number(2) : x;
       if (!y || !reader.Name(0)) continue;
-      if (reader.Text(0).empty() || truth_.Find(reader.Text(0)) >= 0) {
+      if (reader.Text(0).empty() || MeansUnknown(reader.Text(0)) || truth_.Find(reader.Text(0)) >= 0) {
         reader.Bad("landmark without a name of its own", "'" + std::string(reader.Text(0)) + "'");
         continue;
       }

@@ -39,9 +39,9 @@ struct CsvImportOptions {
 // unknown robot (none that odometry names), unknown landmark (none that truth_landmarks names, of an
 // association; of observations where that is so of all), before the first control or after the last (a robot
 // that stood still there needs a row that says so), negative range, range 0, beyond the sensor's maximum,
-// outside its field of view, range or bearing alone, a landmark called "-1", "unknown", "none", "nan", "null"
-// or "na", no such observation (associations). Throws InputError "FILE:LINE: REASON: DETAIL"; of a file of
-// odometry, observations or true poses of which more than half of the rows were skipped, too.
+// outside its field of view, range or bearing alone, a landmark or a robot whose name means unknown
+// (name_index.h), no such observation (associations). Throws InputError "FILE:LINE: REASON: DETAIL"; of a
+// file of odometry, observations or true poses of which more than half of the rows were skipped, too.
 ImportReport ImportCsv(const CsvImportOptions& options, Blob* log);
 
 }  // namespace cairn::datasets

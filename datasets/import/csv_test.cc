@@ -134,11 +134,29 @@ TEST_F(ImportCsvTest, WithoutAssociationsTruthIsByName) {
 }
 
 TEST_F(ImportCsvTest, WhatProgramsWriteForAnUnknownLandmarkIsNoName) {
-  for (const std::string name : {"-1", "unknown", "None", "NaN", "null"}) {
+  for (const std::string name : {"-1", "unknown", "None", "NaN", "null", "N/A", "?", "-", "--", "*", "#"}) {
     PutObservations("1,Rosa,door,2,0\n2,Rosa," + name + ",2,0\n");
     ExpectContains(Failure(), "observations.csv:3: no landmark's name: '" + name +
                                   "': leave the field empty where it is unknown");
   }
+}
+
+// Nor is it one of a robot or of a true landmark.
+TEST_F(ImportCsvTest, WhatIsNoLandmarksNameIsNobodys) {
+  PutObservations("1,Rosa,door,2,0\n2,Rosa,,2,0\n");
+  for (const std::string name : {"?", "nan", "-1"}) {
+    options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\ndoor,1,2\n" + name + ",3,4\n");
+    ExpectContains(Failure(), "landmarks.csv:3: landmark without a name of its own: '" + name + "'");
+  }
+  options_.truth_landmarks.clear();
+  options_.odometry = folder_.Put("o.csv", "time_s,robot,turn_rad,forward_m\n1,Rosa,0,1\n2,?,0,1\n");
+  ExpectContains(Failure(), "o.csv:3: unknown robot: '?' is no robot's name");
+}
+
+TEST_F(ImportCsvTest, NamesOfSignsAndLettersAreNames) {
+  PutObservations("1,Rosa,a?,2,0\n1,Rosa,#1,2,0\n2,Rosa,\xC3\xA9,2,0\n2,Rosa,0,2,0\n2,Ugo,-2,2,0\n");
+  Import();
+  EXPECT_EQ(log_.Texts("landmarks").size(), 5U);
 }
 
 TEST_F(ImportCsvTest, ALandmarkThatTheTruthDoesNotNameIsAskedForInBothFiles) {

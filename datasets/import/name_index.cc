@@ -1,6 +1,8 @@
 #include "datasets/import/name_index.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <numeric>
 
 namespace cairn::datasets {
@@ -22,7 +24,18 @@ bool ComesBefore(const std::string& a, const std::string& b) {
   return a_digits != b_digits ? a_digits < b_digits : a < b;
 }
 
+// Beyond ASCII everything counts as a letter.
+bool IsLetterOrDigit(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || (c & 0x80) != 0; }
+
 }  // namespace
+
+bool MeansUnknown(std::string_view name) {
+  constexpr std::array kWords = {"-1", "unknown", "none", "nan", "null", "na", "n/a"};
+  std::string small(name);
+  for (char& c : small) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const bool says_nothing = !name.empty() && std::ranges::none_of(name, IsLetterOrDigit);
+  return says_nothing || std::ranges::find(kWords, small) != kWords.end();
+}
 
 std::int32_t NameIndex::Find(std::string_view name) const {
   const auto it = numbers_.find(name);

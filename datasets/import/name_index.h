@@ -10,6 +10,10 @@
 
 namespace cairn::datasets {
 
+// What programs and people write where they know no name: `-1`, `unknown`, `none`, `nan`, `null`, `na` and
+// `n/a` in letters of either case, and what has neither a letter nor a digit (`?`, `-`). Not the empty name.
+bool MeansUnknown(std::string_view name);
+
 class NameIndex {
  public:
   // The number of `name`, or -1 where it is not known.

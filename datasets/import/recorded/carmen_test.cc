@@ -166,13 +166,17 @@ TEST_F(ImportCarmenTest, ReadsWhatCarmensLoggerWrites) {
 // No public program was found that writes MARKER; its form is that of CARMEN's other messages of text.
 TEST_F(ImportCarmenTest, MarkersAreContactsWithAndWithoutNames) {
   const std::string log =
-      "ODOM 0 0 0 0 0 0 1 h 1\nMARKER big door 1.5 h 1.5\nMARKER 2 h 2\nMARKER big door 3 h 3\n"
+      "ODOM 0 0 0 0 0 0 1 h 1\nMARKER big door 1.5 h 1.5\nMARKER 2 h 2\nMARKER big door 3 h 3\nMARKER ? 3.5 "
+      "h "
+      "3.5\n"
       "ODOM 1 0 0 0 0 0 4 h 4\n";
-  EXPECT_EQ(Import(log).contacts, 3);
-  EXPECT_EQ(Column<std::int32_t>("robot/0/observations/landmark"), (std::vector<std::int32_t>{-1, -1, -1}));
+  EXPECT_EQ(Import(log).contacts, 4);
+  EXPECT_EQ(Column<std::int32_t>("robot/0/observations/landmark"),
+            (std::vector<std::int32_t>{-1, -1, -1, -1}));
   options_.named_markers = true;
-  EXPECT_EQ(Import(log).landmarks, 2);
-  EXPECT_EQ(Column<std::int32_t>("robot/0/observations/landmark"), (std::vector<std::int32_t>{0, 1, 0}));
+  EXPECT_EQ(Import(log).landmarks, 1);
+  EXPECT_EQ(Column<std::int32_t>("robot/0/observations/landmark"), (std::vector<std::int32_t>{0, -1, 0, -1}))
+      << "no text and '?' are no names";
   EXPECT_EQ(log_.Texts("landmarks")[0], "big door");
 }
 

@@ -148,7 +148,9 @@ void AddSensed(RangeLog* log, double first_s, double last_s, ImportReport* repor
       continue;
     }
     if (event.sensor) AddScan(event, report, &log->sensors[*event.sensor]);
-    const std::int32_t landmark = event.mark && log->marks_are_names ? names.FindOrAdd(*event.mark) : -1;
+    const bool named =
+        event.mark && log->marks_are_names && !event.mark->empty() && !MeansUnknown(*event.mark);
+    const std::int32_t landmark = named ? names.FindOrAdd(*event.mark) : -1;
     if (event.mark) robot.observations.Add(event.stamp_s, landmark, kNan, kNan);
   }
   rows->landmarks = names.names();
