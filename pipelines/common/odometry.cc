@@ -36,7 +36,9 @@ Odometry Integrate(const kinds::Log::Odometry& controls, const std::string& name
                                 forward = controls.forward_m;
   if (time.empty()) throw InputError("robot '" + name + "' has no controls: there is nothing to map");
   Odometry odometry;
-  odometry.time_s = {time[0] - UsualInterval(time)};
+  // A first row without motion, as of a log of poses, says when the robot stood at the start.
+  const bool stands = turn[0] == 0 && forward[0] == 0;
+  odometry.time_s = {stands ? time[0] : time[0] - UsualInterval(time)};
   odometry.x_m = odometry.y_m = odometry.heading_rad = odometry.path_m = odometry.turn_rad = {0.0};
   for (std::size_t i = 0; i < time.size(); ++i) {
     constexpr double kFarthest_m = 1e5, kLargestTurn_rad = 1e3;  // no robot does so in one control

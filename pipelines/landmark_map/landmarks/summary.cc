@@ -338,8 +338,10 @@ Association Associate(const Layer& where, int type, const std::vector<Landmark>&
     }
   }
   const auto best = std::ranges::max_element(mass) - mass.begin();
-  if (static_cast<std::size_t>(best) == landmarks.size()) return {-1, mass.back()};
-  return {static_cast<int>(best), mass[static_cast<std::size_t>(best)]};
+  // What is rounded up in all the cells' sum would make a certain one surer than certain.
+  const double all = std::max(1.0, std::accumulate(mass.begin(), mass.end(), 0.0));
+  const double probability = mass[static_cast<std::size_t>(best)] / all;
+  return {static_cast<std::size_t>(best) == landmarks.size() ? -1 : static_cast<int>(best), probability};
 }
 
 }  // namespace cairn::landmark_map

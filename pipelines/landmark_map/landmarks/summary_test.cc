@@ -183,6 +183,17 @@ TEST(Associate, TakesTheNearestLandmarkOfTheTypeWithinReach) {
   EXPECT_EQ(Associate(far, 0, landmarks, 1.0, 3.0).landmark, -1);
 }
 
+TEST(Associate, NothingIsSurerThanCertain) {
+  const std::vector<Landmark> landmarks = {{0, 0, {}, 0, 1}};
+  Layer where(Box{0, 0, 3, 1});
+  where.values = {0.7, 0.2, 0.1 + 1e-15};
+  ASSERT_GT(where.values[0] + where.values[1] + where.values[2], 1.0);
+  EXPECT_EQ(Associate(where, 0, landmarks, 1.0, 3.0).probability, 1.0);
+  Layer far(Box{30, 0, 3, 1});
+  far.values = where.values;
+  EXPECT_EQ(Associate(far, 0, landmarks, 1.0, 3.0).probability, 1.0) << "of there being none";
+}
+
 // Of the nameless observations two lie within the core of the landmark that has a name, three beside it.
 TEST(ExtractLandmarks, WhatHasNoNameIsTheNamedLandmarksThatItLiesOn) {
   MapRules rules;

@@ -38,6 +38,17 @@ TEST(Integrate, TurnsFirstThenGoes) {
   EXPECT_NEAR(half.path_m, 2.5, 1e-12);
 }
 
+// A control with motion began before its end, so the path, too, begins before the log's first time.
+TEST(Integrate, ThePathBeginsWhereTheRobotFirstStoodOrBeganToMove) {
+  kinds::Log::Robot robot = Robot({}, {}, {}, {});
+  EXPECT_EQ(Integrate(robot.odometry, "a").time_s.front(), 0.0);
+  robot.odometry.forward_m = Numbers{0, 1, 1, 1};
+  EXPECT_EQ(Integrate(robot.odometry, "a").time_s.front(), 1.0);
+  EXPECT_EQ(MakeSteps(robot, "a", kRules, nullptr).time_s.front(), 1.0);
+  robot.odometry.turn_rad = Numbers{0.1, 0, 0, 0};
+  EXPECT_EQ(Integrate(robot.odometry, "a").time_s.front(), 0.0);
+}
+
 TEST(Integrate, WhatIsSeenAsAControlEndsIsSeenBeforeTheNextOneTurns) {
   const Odometry odometry = Integrate(Robot({}, {}, {}, {}).odometry, "a");
   EXPECT_EQ(PoseAt(odometry, 2.0).heading_rad, 0.0);
