@@ -2,32 +2,15 @@
 # Two machines, as network namespaces of this test's own: a partition, a quarter of all packets lost, connections that are
 # reset. Every job ends with the undisturbed bits. Needs root, ip and nft.
 source "$CAIRN_SOURCE/tests/end_to_end/common.sh"
+source "$CAIRN_SOURCE/tests/faults/namespaces.sh"
 
-[ "$(id -u)" -eq 0 ] || skip "needs root to make network namespaces"
-command -v ip >/dev/null && command -v nft >/dev/null || skip "needs ip (iproute2) and nft (nftables)"
-hub=cairn-$$-hub desk=cairn-$$-desk
-ip netns add "$hub" 2>/dev/null || skip "may not make network namespaces here"
-leave() {
-  local code=$? ns
-  for ns in "$hub" "$desk"; do  # what runs there is no child of this shell, but of `ip`
-    ip netns pids "$ns" 2>/dev/null | xargs -r kill -9
-    ip netns del "$ns" 2>/dev/null || true
-  done
-  set +e
-  (exit "$code")
-  cleanup
-}
-trap leave EXIT
-ip netns add "$desk"
-ip link add wire0 netns "$hub" type veth peer name wire0 netns "$desk" || skip "may not make links here"
-for end in "$hub 10.77.0.1" "$desk 10.77.0.2"; do
-  read -r ns address <<<"$end"
-  ip -n "$ns" addr add "$address/24" dev wire0
-  ip -n "$ns" link set wire0 up
-  ip -n "$ns" link set lo up
-done
-on_hub() { ip netns exec "$hub" "$@"; }
-on_desk() { ip netns exec "$desk" "$@"; }
+command -v nft >/dev/null || skip "needs nft (nftables)"
+machine hub
+machine desk
+wire hub wire0 10.77.0.1/24 desk wire0 10.77.0.2/24
+hub=$(space hub)
+on_hub() { on hub "$@"; }
+on_desk() { on desk "$@"; }
 on_hub nft 'table inet probe {}' 2>/dev/null || skip "nft cannot do its work here"
 
 for name in coordinator worker client; do exits 0 cairn keys new "$name" --dir keys; done

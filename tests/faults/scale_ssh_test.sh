@@ -2,47 +2,29 @@
 # Three hosts, as network namespaces of this test's own, each with an sshd, and the coordinator's: workers are started on
 # them, found again, replaced where a host goes away, and gone in the end, with their keys. Needs root, ip and sshd.
 source "${CAIRN_SOURCE:?}/tests/end_to_end/common.sh"
+source "$CAIRN_SOURCE/tests/faults/namespaces.sh"
 
-[ "$(id -u)" -eq 0 ] || skip "needs root to make network namespaces"
-command -v ip >/dev/null && command -v sshd >/dev/null && command -v ssh-keygen >/dev/null ||
-  skip "needs ip (iproute2), sshd and ssh-keygen (deploy/install.sh --cluster)"
-hub=cairn-$$-hub
-hosts=(cairn-$$-one cairn-$$-two cairn-$$-three)
-ip netns add "$hub" 2>/dev/null || skip "may not make network namespaces here"
-leave() {
-  local code=$? ns
-  [ "$code" -eq 0 ] || tail -n 30 scale.log sshd?.log >&2
-  for ns in "$hub" "${hosts[@]}"; do # what runs there is no child of this shell, but of `ip`
-    ip netns pids "$ns" 2>/dev/null | xargs -r kill -9
-    ip netns del "$ns" 2>/dev/null || true
-  done
-  set +e
-  (exit "$code")
-  cleanup
-}
-trap leave EXIT
-ip -n "$hub" link set lo up
+command -v sshd >/dev/null && command -v ssh-keygen >/dev/null ||
+  skip "needs sshd and ssh-keygen (deploy/install.sh --cluster)"
+before_leaving() { [ "$1" -eq 0 ] || tail -n 30 scale.log sshd?.log >&2; }
+machine hub
+hub=$(space hub)
 ip -n "$hub" addr add 10.78.0.1/32 dev lo
 mkdir -p /run/sshd
 ssh-keygen -q -t ed25519 -N '' -f login
 # serve_ssh N: an sshd there whose logins see a folder of the test's as their home.
 serve_ssh() {
-  local ns=${hosts[$1]} home=$work/host$1
+  local home=$work/host$1
   mkdir -p "$home"
   printf '%s\n' "ListenAddress 10.78.$1.2" "HostKey \"$work/host_key$1\"" "PidFile none" "StrictModes no" "UsePAM no" \
     "AuthorizedKeysFile \"$work/login.pub\"" "PermitRootLogin yes" "PasswordAuthentication no" "SetEnv \"HOME=$home\"" \
     "ForceCommand cd '$home' && HOME='$home' exec sh -c \"\$SSH_ORIGINAL_COMMAND\"" >"sshd$1.conf"
-  ip netns exec "$ns" "$(command -v sshd)" -D -f "$work/sshd$1.conf" -E "$work/sshd$1.log" &
+  on "host$1" "$(command -v sshd)" -D -f "$work/sshd$1.conf" -E "$work/sshd$1.log" &
 }
 for n in 0 1 2; do
-  ip netns add "${hosts[n]}"
-  ip link add "wire$n" netns "$hub" type veth peer name wire netns "${hosts[n]}" || skip "may not make links here"
-  ip -n "$hub" addr add "10.78.$n.1/24" dev "wire$n" 2>/dev/null || skip "may not set addresses here"
-  ip -n "${hosts[n]}" addr add "10.78.$n.2/24" dev wire
-  ip -n "$hub" link set "wire$n" up
-  ip -n "${hosts[n]}" link set wire up
-  ip -n "${hosts[n]}" link set lo up
-  ip -n "${hosts[n]}" route add default via "10.78.$n.1"
+  machine "host$n"
+  wire hub "wire$n" "10.78.$n.1/24" "host$n" wire "10.78.$n.2/24"
+  ip -n "$(space "host$n")" route add default via "10.78.$n.1"
   ssh-keygen -q -t ed25519 -N '' -f "host_key$n"
   echo "10.78.$n.2 $(cut -d ' ' -f 1,2 "host_key$n.pub")" >>known_hosts
   echo "10.78.$n.2 1" >>hosts.txt
@@ -52,7 +34,7 @@ done
 for name in coordinator client; do exits 0 cairn keys new "$name" --dir keys; done
 exits 0 cairn keys allow keys/client.pub --as submitter --dir keys
 client_keys=(--key keys/client.key --server-key keys/coordinator.pub)
-on_hub() { ip netns exec "$hub" "$@"; }
+on_hub() { on hub "$@"; }
 client() { local command=$1; shift; on_hub cairn "$command" "$@" --connect tcp://10.78.0.1:7017 "${client_keys[@]}"; }
 scale() {
   on_hub cairn scale ssh --hosts "${hosts_file:-hosts.txt}" --worker "$CAIRN_BIN/cairn-worker" --keys keys --idle-s 1 --cool-down-s 0 \
@@ -97,7 +79,7 @@ exits 0 client results "$id" --out there
 same_bits here there
 [ "$(worker_keys)" -eq 0 ] || die "keys are left: $(cat keys/allowed)"
 for n in 0 1 2; do
-  [ -z "$(ip netns pids "${hosts[n]}" | xargs -r -n 1 -I{} cat /proc/{}/comm 2>/dev/null | grep cairn-worker)" ] ||
+  [ -z "$(ip netns pids "$(space "host$n")" | xargs -r -n 1 -I{} cat /proc/{}/comm 2>/dev/null | grep cairn-worker)" ] ||
     die "host $n still has a worker"
 done
 

@@ -1,24 +1,13 @@
 # Sourced by tests that need a Slurm cluster: three nodes and a controller, each in namespaces of its own (network, processes,
 # host name), with munge. Everything lies in $cluster, which all of them see. Needs root.
 # shellcheck shell=bash disable=SC2154
+source "${CAIRN_SOURCE:?}/tests/faults/namespaces.sh"
 cluster=$(mktemp -d "${TMPDIR:-/tmp}/cairn-slurm-XXXXXX")
-names=(hub cn1 cn2 cn3)
-space() { echo "cairn-$$-$1"; }
-
-leave() {
-  local code=$? name
-  [ "$code" -eq 0 ] || tail -n 20 ./*.log "$cluster"/*.log >&2
-  for name in "${names[@]}"; do
-    ip netns pids "$(space "$name")" 2>/dev/null | xargs -r kill -9 2>/dev/null
-    ip netns del "$(space "$name")" 2>/dev/null || true
-  done
+before_leaving() { [ "$1" -eq 0 ] || tail -n 20 ./*.log "$cluster"/*.log >&2; }
+after_leaving() {
   [ ! -e "$cluster/munged.pid" ] || kill -9 "$(cat "$cluster/munged.pid")" 2>/dev/null || true
   rm -rf "$cluster"
-  set +e
-  (exit "$code")
-  cleanup
 }
-trap leave EXIT
 
 # within NAME COMMAND…: in that machine's namespaces of network and host name.
 within() {
@@ -27,18 +16,14 @@ within() {
   nsenter --net="/run/netns/$(space "$name")" unshare --uts sh -c 'hostname "$0"; exec "$@"' "$name" "$@"
 }
 
-ip netns add "$(space hub)" 2>/dev/null || skip "may not make network namespaces here"
-ip -n "$(space hub)" link set lo up
+machine hub
 ip -n "$(space hub)" link add bridge type bridge 2>/dev/null || skip "may not make links here"
 ip -n "$(space hub)" addr add 10.99.0.1/24 dev bridge
 ip -n "$(space hub)" link set bridge up
 for n in 1 2 3; do
-  ip netns add "$(space "cn$n")"
-  ip link add "wire$n" netns "$(space hub)" type veth peer name wire netns "$(space "cn$n")"
-  ip -n "$(space hub)" link set "wire$n" master bridge up
-  ip -n "$(space "cn$n")" addr add "10.99.0.1$n/24" dev wire
-  ip -n "$(space "cn$n")" link set wire up
-  ip -n "$(space "cn$n")" link set lo up
+  machine "cn$n"
+  wire hub "wire$n" - "cn$n" wire "10.99.0.1$n/24"
+  ip -n "$(space hub)" link set "wire$n" master bridge
 done
 
 dd if=/dev/urandom of="$cluster/munge.key" bs=1 count=1024 status=none
