@@ -17,6 +17,7 @@
 
 #include "schema/build_info.h"
 #include "schema/command_line/command.h"
+#include "schema/command_line/renamed.h"
 #include "schema/numerics.h"
 #include "schema/process_limits.h"
 #include "schema/text.h"
@@ -68,9 +69,9 @@ void CatchSignals() {
 
 void Declare(cli::Command app, Arguments& a) {
   app.Footer(
-      "Example: cairn-worker --connect tcp://hub:7000 --key desk.key --server-key hub.pub --task-memory-mb "
-      "2000\n"
-      "Exit codes: 0 ended on request, 1 no coordinator, 2 refused or bad usage");
+      "Example:\n  cairn-worker --connect tcp://hub:7000 --key desk.key --server-key hub.pub "
+      "--task-memory-mb "
+      "2000\n\nExit codes: 0 ended on request, 1 no coordinator, 2 refused or bad usage");
   app.Add("--connect", a.connect, "endpoint of the coordinator: ipc:///FOLDER/NAME or tcp://HOST:PORT");
   app.Add("--name", a.name, "what to call it in the coordinator's lists");
   app.Add("--slots", a.slots, "tasks that may be assigned at a time").Within(1, 1000).ShowDefault();
@@ -223,7 +224,9 @@ int WorkerProgram(int argc, char** argv, const std::vector<PipelineInfo>& pipeli
   app.set_version_flag("--version", CAIRN_VERSION);
   Declare(cli::Command(&app), arguments);
   try {
-    app.parse(argc, argv);
+    std::vector<char*> words(argv, argv + argc);
+    const std::vector<std::string> now = cli::ArgumentsNow(&words);
+    app.parse(argc, words.data());
   } catch (const CLI::ParseError& error) {
     std::ostringstream help;
     if (app.exit(error, help) != 0) return kExitRefused;

@@ -8,10 +8,10 @@
 #include <sstream>
 
 #include "coordinator/cli/common/failure.h"
-#include "coordinator/cli/common/renamed.h"
 #include "coordinator/cli/common/suggest.h"
 #include "coordinator/cli/output/console.h"
 #include "coordinator/cli/output/output.h"
+#include "schema/command_line/renamed.h"
 #include "schema/process_limits.h"
 #include "schema/store/atomic_file.h"
 #include "schema/text.h"
@@ -197,11 +197,7 @@ int RunProgram(const Program& program, int argc, char** argv) {
       words.push_back(const_cast<char*>(help_flag.data()));
     argc = static_cast<int>(words.size());
   }
-  std::vector<std::string> now(words.begin(), words.end());
-  for (std::size_t i = 1; i < words.size() && std::string_view(words[i]) != "--"; ++i) {
-    now[i] = ArgumentNow(words[i - 1], words[i]);
-    words[i] = now[i].data();
-  }
+  const std::vector<std::string> now = ArgumentsNow(&words);
   words.push_back(nullptr);
   argv = words.data();
   Invocation instead;

@@ -196,6 +196,13 @@ TEST_F(WorkerProcess, TellsItsServiceManagerThatItIsReadyThatItLivesAndThatItEnd
   EXPECT_EQ(last, "STOPPING=1");
 }
 
+TEST_F(WorkerProcess, KnowsItsOptionsByTheNamesThatTheyHad) {
+  EXPECT_EQ(Process({"--connect", "nowhere", "--log-json"}, Output()).Wait(), 2);
+  EXPECT_EQ(OutputText().find("cairn-worker: warning: '--log-json' is called '--log-format=json' now"), 0U)
+      << OutputText();
+  EXPECT_NE(OutputText().find("\"program\":\"cairn-worker\""), std::string::npos) << OutputText();
+}
+
 TEST_F(WorkerProcess, LogsAreJsonLinesWhereAskedFor) {
   EXPECT_EQ(Process({"--connect", "nowhere", "--log-format", "json"}, Output()).Wait(), 2);
   const nlohmann::json line = nlohmann::json::parse(OutputText());

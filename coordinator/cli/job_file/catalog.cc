@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "coordinator/cli/common/programs.h"
-#include "coordinator/cli/common/renamed.h"
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/common/suggest.h"
+#include "schema/command_line/renamed.h"
 #include "schema/error.h"
 
 namespace cairn::cli {

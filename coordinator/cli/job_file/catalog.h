@@ -32,7 +32,7 @@ struct PipelineSpec {
   std::vector<OptionSpec> options;
 
   const InputSpec* FindInput(const std::string& input) const;
-  // By its name, or by the one that it had before (cli/common/renamed.h), with a warning.
+  // By its name, or by the one that it had before (command_line/renamed.h), with a warning.
   const OptionSpec* FindOption(const std::string& option) const;
   std::vector<std::string> InputNames() const;
   std::vector<std::string> OptionNames() const;

@@ -1,6 +1,7 @@
-#include "coordinator/cli/common/renamed.h"
+#include "schema/command_line/renamed.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <iterator>
 
@@ -34,9 +35,8 @@ std::string NameNow(std::string_view of, const std::string& name) {
 }
 
 void WarnOfOldName(const std::string& before, const std::string& now) {
-  std::fprintf(stderr,
-               "cairn: warning: '%s' is called '%s' now; the next release knows it by that name alone\n",
-               before.c_str(), now.c_str());
+  std::fprintf(stderr, "%s: warning: '%s' is called '%s' now; the next release knows it by that name alone\n",
+               program_invocation_short_name, before.c_str(), now.c_str());
 }
 
 std::string ArgumentNow(const std::string& before_it, const std::string& argument) {
@@ -49,6 +49,13 @@ std::string ArgumentNow(const std::string& before_it, const std::string& argumen
     now = NameNow("", flag) + "=" + NameNow(flag, argument.substr(equals + 1));
   }
   if (now != argument) WarnOfOldName(argument, now);
+  return now;
+}
+
+std::vector<std::string> ArgumentsNow(std::vector<char*>* words) {
+  std::vector<std::string> now(words->begin(), words->end());
+  for (std::size_t i = 1; i < now.size() && now[i] != "--"; ++i) now[i] = ArgumentNow(now[i - 1], now[i]);
+  for (std::size_t i = 0; i < now.size(); ++i) (*words)[i] = now[i].data();
   return now;
 }
 

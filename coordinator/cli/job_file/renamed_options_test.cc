@@ -1,5 +1,4 @@
-#include "coordinator/cli/common/renamed.h"
-
+// Options of pipelines by the names that they had (schema/command_line/renamed.h).
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -67,21 +66,6 @@ TEST_F(RenamedOptions, AreNoneOfAPipelineThatNeverHadThem) {
 TEST_F(RenamedOptions, NewNamesSayNothing) {
   testing::internal::CaptureStderr();
   ResolveJob({"landmark_map", Log(), {"refine=false"}, 0, {}}, catalog_);
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
-}
-
-TEST(ArgumentNow, KnowsFlagsAndTheWordsThatTheyTake) {
-  testing::internal::CaptureStderr();
-  EXPECT_EQ(ArgumentNow("out.h5", "--press-m"), "--contact-m");
-  EXPECT_EQ(ArgumentNow("out.h5", "--press-m=0.3"), "--contact-m=0.3");
-  EXPECT_EQ(ArgumentNow("coordinator", "--log-json"), "--log-format=json");
-  EXPECT_EQ(ArgumentNow("--sensor", "press"), "contact");
-  EXPECT_EQ(ArgumentNow("out.h5", "--sensor=press"), "--sensor=contact");
-  EXPECT_NE(testing::internal::GetCapturedStderr().find("'--press-m' is called '--contact-m' now"),
-            std::string::npos);
-  testing::internal::CaptureStderr();
-  EXPECT_EQ(ArgumentNow("loop", "press"), "press");  // a file of that name
-  EXPECT_EQ(ArgumentNow("--sensor", "range-bearing"), "range-bearing");
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 

@@ -4,6 +4,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace cairn::cli {
 
@@ -17,5 +18,9 @@ void WarnOfOldName(const std::string& before, const std::string& now);
 // An argument of the command line, which follows `before_it`, with the names of today; warns where it had
 // another.
 std::string ArgumentNow(const std::string& before_it, const std::string& argument);
+
+// The same of all of `words` up to a "--", of which the first is the program: they point into what is
+// returned.
+std::vector<std::string> ArgumentsNow(std::vector<char*>* words);
 
 }  // namespace cairn::cli
