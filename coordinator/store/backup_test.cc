@@ -1,11 +1,14 @@
 #include "coordinator/store/backup.h"
 
+#include <sqlite3.h>
+
 #include <atomic>
 #include <fstream>
 #include <thread>
 
 #include "coordinator/server/testing/hub_fixture.h"
 #include "coordinator/store/checkpoint_file.h"
+#include "coordinator/store/job_table.h"
 #include "schema/store/atomic_file.h"
 
 namespace cairn::coordinator {
@@ -51,6 +54,11 @@ class Backup : public ::testing::Test {
     Result<BackupFacts> facts = BackUp(From(), To());
     EXPECT_TRUE(facts.ok()) << facts.status().message();
     return facts.ok() ? facts.value() : BackupFacts();
+  }
+  // Of the log of the job.
+  static std::size_t LinesOf(const fs::path& store) {
+    const Result<JobTable> table = JobTable::Open(StoreFolder::LookAt(store).value().JobTable());
+    return table.ok() ? table.value().ReadLog("a", 0).value().size() : 0;
   }
   bool IsWhole() const { return fs::exists(To() / kBackupMark); }
   // By another worker, for the first keeps its task.
@@ -127,6 +135,31 @@ TEST_F(Backup, WhatIsDamagedIsSaidAndTheCopyKeepsWhatItHad) {
   std::set<fs::path> kept = Tree(To());
   kept.insert(kBackupMark);
   EXPECT_EQ(kept, whole);
+}
+
+// An earlier copy stays, whose lines are whole; a first one, as a store that is restored, is made without
+// them.
+TEST_F(Backup, DamagedLinesOfALogAreSaidAndNotCopied) {
+  Copied();
+  const std::size_t lines = LinesOf(To());
+  ASSERT_GT(lines, 0U);
+  Stop();
+  const auto execute = [&](const char* sql) {
+    sqlite3* db = nullptr;
+    ASSERT_EQ(sqlite3_open(StoreFolder::LookAt(From()).value().JobTable().c_str(), &db), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(db, sql, nullptr, nullptr, nullptr), SQLITE_OK) << sqlite3_errmsg(db);
+    sqlite3_close(db);
+  };
+  execute("UPDATE log SET text = CAST(x'61ff' AS TEXT) WHERE number = 1;");
+  const BackupFacts again = Copied();
+  ASSERT_EQ(again.damaged.size(), 1U);
+  EXPECT_PRED_FORMAT2(testing::IsSubstring,
+                      "damaged lines: 1, of job 'a' for one; start the coordinator again", again.damaged[0]);
+  EXPECT_EQ(LinesOf(To()), lines);
+  EXPECT_FALSE(IsWhole());
+  const fs::path first = fixture_.temp.path() / "first";
+  EXPECT_EQ(BackUp(From(), first).value().damaged.size(), 1U);
+  EXPECT_EQ(LinesOf(first), lines - 1);
 }
 
 TEST_F(Backup, AStoreWithoutJobsTakesNoCopyAway) {

@@ -30,6 +30,25 @@ Status Run(sqlite3* db, Statement& statement) {
   return status;
 }
 
+// Of one row: job, number, utc, level, text.
+void IsDamagedLine(sqlite3_context* context, int, sqlite3_value** row) {
+  bool damaged = sqlite3_value_type(row[1]) != SQLITE_INTEGER || sqlite3_value_int64(row[1]) < 1;
+  for (const int column : {0, 2, 3, 4}) {
+    if (damaged || (damaged = sqlite3_value_type(row[column]) != SQLITE_TEXT)) break;
+    const auto* bytes = static_cast<const char*>(sqlite3_value_blob(row[column]));
+    const std::string text(bytes == nullptr ? "" : bytes,
+                           static_cast<std::size_t>(sqlite3_value_bytes(row[column])));
+    damaged = (column != 4 && text.empty()) || Printable(text, text.size()) != text;
+  }
+  sqlite3_result_int(context, damaged ? 1 : 0);
+}
+
+Status DefineIsDamagedLine(sqlite3* db) {
+  const int defined = sqlite3_create_function_v2(db, "is_damaged_line", 5, SQLITE_UTF8 | SQLITE_DIRECTONLY,
+                                                 nullptr, IsDamagedLine, nullptr, nullptr, nullptr);
+  return defined == SQLITE_OK ? Status::Ok() : sqlite::Failure(db);
+}
+
 class Appender {
  public:
   explicit Appender(sqlite3* db) : db_(db) {}
@@ -117,6 +136,22 @@ Status Remove(sqlite3* db, const std::string& job) {
   if (!prepared.ok()) return prepared.status();
   Bind(prepared.value().get(), 1, job);
   return Run(db, prepared.value());
+}
+
+Result<DamagedLines> FindDamaged(sqlite3* db) {
+  if (Status status = DefineIsDamagedLine(db); !status.ok()) return status;
+  Result<Statement> prepared = sqlite::Prepare(
+      db, "SELECT count(*), min(job) FROM log WHERE is_damaged_line(job, number, utc, level, text);");
+  if (!prepared.ok()) return prepared.status();
+  if (sqlite3_step(prepared.value().get()) != SQLITE_ROW) return sqlite::Failure(db);
+  constexpr std::size_t kMostBytes = 100;
+  return DamagedLines{sqlite::Unsigned(prepared.value().get(), 0),
+                      Printable(sqlite::Text(prepared.value().get(), 1), kMostBytes)};
+}
+
+Status RemoveDamaged(sqlite3* db) {
+  if (Status status = DefineIsDamagedLine(db); !status.ok()) return status;
+  return sqlite::Execute(db, "DELETE FROM log WHERE is_damaged_line(job, number, utc, level, text);");
 }
 
 }  // namespace log_table

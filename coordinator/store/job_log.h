@@ -46,5 +46,15 @@ Status Append(sqlite3* db, const std::map<std::string, JobLines>& by_job);  // a
 Result<std::vector<wire::LogLine>> Read(sqlite3* db, const std::string& job, std::uint64_t after);
 Status Remove(sqlite3* db, const std::string& job);
 
+// Lines that no coordinator wrote, as a bad disk makes them: whose number is none, or whose texts are none,
+// or hold what no line does. SQLite's own checks look at the tree of pages, not at what the rows say; a
+// letter that has become another shows to nobody.
+struct DamagedLines {
+  std::uint64_t count = 0;
+  std::string job;  // of one of them, Printable
+};
+Result<DamagedLines> FindDamaged(sqlite3* db);
+Status RemoveDamaged(sqlite3* db);
+
 }  // namespace log_table
 }  // namespace cairn::coordinator

@@ -153,6 +153,9 @@ Result<JobTable> JobTable::Open(const std::filesystem::path& path) {
   const Result<std::int64_t> last = sqlite::Number(db, "SELECT number FROM last_number;");
   if (!last.ok()) return last.status();
   table.last_number_ = static_cast<std::uint64_t>(std::max<std::int64_t>(last.value(), 0));
+  Result<log_table::DamagedLines> damaged = log_table::FindDamaged(db);
+  if (!damaged.ok()) return damaged.status();
+  table.damaged_lines_ = std::move(damaged).value();
   return opened;
 }
 
@@ -164,6 +167,21 @@ std::uint64_t JobTable::LastNumberIn(const std::filesystem::path& path) {
   const sqlite::StepLimit limit(db, kMostSteps);
   const Result<std::int64_t> last = sqlite::Number(db, "SELECT number FROM last_number;");
   return last.ok() ? static_cast<std::uint64_t>(std::max<std::int64_t>(last.value(), 0)) : 0;
+}
+
+Status JobTable::RemoveDamagedLines() {
+  const sqlite::StepLimit limit(db_.get(), StepsFor(sqlite3_db_filename(db_.get(), nullptr)));
+  damaged_lines_ = {};
+  return log_table::RemoveDamaged(db_.get());
+}
+
+Result<log_table::DamagedLines> JobTable::DamagedLinesOfCopy(const std::filesystem::path& copy, bool remove) {
+  Result<JobTable> table = Open(copy);
+  if (!table.ok()) return table.status();
+  log_table::DamagedLines damaged = table.value().damaged_lines();
+  if (damaged.count > 0 && remove)
+    if (Status status = table.value().RemoveDamagedLines(); !status.ok()) return status;
+  return damaged;
 }
 
 Status JobTable::Copy(const std::filesystem::path& from, const std::filesystem::path& to) {
@@ -204,14 +222,22 @@ Status JobTable::Copy(const std::filesystem::path& from, const std::filesystem::
       return {Code::kCorrupt, from.string() + ": " + sqlite3_errstr(copied)};
     if (copied != SQLITE_OK) return sqlite::Failure(target.db_.get(), part.string());
   }
-  if (const Result<JobTable> whole = Open(part); !whole.ok()) {
+  const bool replaces = fs::exists(to, error);
+  const Result<log_table::DamagedLines> damaged = DamagedLinesOfCopy(part, !replaces);
+  Status whole = damaged.status();
+  if (damaged.ok() && damaged.value().count > 0)
+    whole = {Code::kCorrupt, from.string() + ": damaged lines: " + std::to_string(damaged.value().count) +
+                                 ", of job '" + damaged.value().job + "' for one" +
+                                 (replaces ? "; start the coordinator again: it removes them" : "")};
+  if (!damaged.ok() || (!whole.ok() && replaces)) {  // what an earlier copy has may be whole
     remove(part);
-    return whole.status();
+    return whole;
   }
   for (const char* ending : {"-wal", "-shm", "-journal"}) fs::remove(to.string() + ending, error);
   fs::rename(part, to, error);
   if (error) return SystemFailure(to, "rename", error.value());
-  return SyncFolder(to.parent_path());
+  const Status synced = SyncFolder(to.parent_path());
+  return synced.ok() ? whole : synced;
 }
 
 // All or nothing.

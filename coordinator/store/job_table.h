@@ -30,7 +30,8 @@ class JobTable {
   // LastNumber() of a table that may be damaged; 0 where it cannot be told.
   static std::uint64_t LastNumberIn(const std::filesystem::path& path);
   // A copy of a table that another process may have open, in the place of what is at `to`; whole or not at
-  // all. Only read there; what is in it is looked at by Open. kNotFound; kCorrupt.
+  // all. Only read there; what is in it is looked at by Open. kNotFound; kCorrupt: also of damaged lines,
+  // which are then left out, or, where there is a copy already, it stays.
   static Status Copy(const std::filesystem::path& from, const std::filesystem::path& to);
   JobTable(JobTable&&) noexcept = default;
   JobTable& operator=(JobTable&&) noexcept = default;
@@ -44,6 +45,8 @@ class JobTable {
   // The highest number that the id of a job began with.
   std::uint64_t LastNumber() const { return last_number_; }
   // job_log.h
+  const log_table::DamagedLines& damaged_lines() const { return damaged_lines_; }  // when it was opened
+  Status RemoveDamagedLines();
   Status AppendLog(const std::map<std::string, JobLines>& by_job);
   Result<std::vector<wire::LogLine>> ReadLog(const std::string& job, std::uint64_t after) const;
 
@@ -53,11 +56,13 @@ class JobTable {
   };
   JobTable() = default;
   static Result<JobTable> OpenUnchecked(const std::filesystem::path& path);
+  static Result<log_table::DamagedLines> DamagedLinesOfCopy(const std::filesystem::path& copy, bool remove);
   Status Execute(const char* sql) const;
   Status MakeOrUpgrade() const;
 
   std::unique_ptr<sqlite3, Close> db_;
   std::uint64_t last_number_ = 0;
+  log_table::DamagedLines damaged_lines_;
 };
 
 }  // namespace cairn::coordinator

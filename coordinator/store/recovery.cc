@@ -180,6 +180,12 @@ Result<JobTable> OpenJobTable(const StoreFolder& folder, const LogSink& log) {
     log(Severity::kWarning,
         "quarantined " + file.string() + ": the job table never leaves such a file there");
   Result<JobTable> table = JobTable::Open(folder.JobTable());
+  if (table.ok() && table.value().damaged_lines().count > 0) {
+    const log_table::DamagedLines damaged = table.value().damaged_lines();
+    log(Severity::kWarning, "removed damaged lines from the logs of jobs: " + std::to_string(damaged.count) +
+                                ", of job '" + damaged.job + "' for one; is the disk whole?");
+    if (Status status = table.value().RemoveDamagedLines(); !status.ok()) return status;
+  }
   if (table.ok() || table.status().code() != Code::kCorrupt) return table;
   log(Severity::kWarning, "made the job table anew, without the logs of jobs: " + table.status().message());
   const std::uint64_t last = JobTable::LastNumberIn(folder.JobTable());

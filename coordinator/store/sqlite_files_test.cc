@@ -68,6 +68,26 @@ class JobTableFiles : public testing::Test {
   std::string warnings_;
 };
 
+// SQLite checks the tree of pages, and takes what the rows say as it is.
+TEST_F(JobTableFiles, LinesThatNobodyWroteAreRemovedAtAStartWhichSaysSo) {
+  Execute("INSERT INTO log VALUES ('7-a', 1, '2026-11-21T14:20:05Z', 'info', 'a whole line');");
+  for (const char* damaged :
+       {"'7-a', 2, '2026-11-21T14:20:05Z', 'info', CAST(x'61ff62' AS TEXT)",
+        "'7-a', 3, '2026-11-21T14:20:05Z', x'696e666f', 'text'", "'7-a', -4, 'now', 'info', 'text'",
+        "'7-a', 5, '', 'info', 'text'", "'7-a', 'six', 'now', 'info', 'text'",
+        "CAST(x'372dff' AS TEXT), 7, 'now', 'info', 'text'"}) {
+    Execute((std::string("INSERT INTO log VALUES (") + damaged + ");").c_str());
+    EXPECT_EQ(JobTable::Open(table()).value().damaged_lines().count, 1U) << damaged;
+    EXPECT_EQ(LastNumber(), 7U);
+    EXPECT_PRED_FORMAT2(testing::IsSubstring, "removed damaged lines from the logs of jobs: 1, of job '7-",
+                        warnings_);
+    EXPECT_EQ(JobTable::Open(table()).value().damaged_lines().count, 0U) << damaged;
+  }
+  EXPECT_EQ(LastNumber(), 7U);
+  EXPECT_EQ(warnings_, "");
+  EXPECT_EQ(JobTable::Open(table()).value().ReadLog("7-a", 0).value().size(), 1U);
+}
+
 // In either mode: where the file system has no shared memory, SQLite leaves it in this one.
 TEST_F(JobTableFiles, AJournalThatNamesAFileRemovesNothing) {
   for (const char* mode : {"PRAGMA journal_mode = WAL;", "PRAGMA journal_mode = DELETE;"}) {
