@@ -2,7 +2,8 @@
 # Every command has --help with an example that runs as printed, and knows a wrong option when it sees one.
 source "$(dirname "$0")/common.sh"
 
-commands=$(cairn --help | awk '/^Subcommands:/ {on = 1; next} /^$/ {on = 0} on && /^  [a-z]/ {print $1}')
+subcommands_in() { awk '/^Subcommands:/ {on = 1; next} /^$/ {on = 0} on && /^  [a-z]/ {print $1}'; }
+commands=$(cairn --help | subcommands_in)
 [ "$(wc -w <<<"$commands")" -ge 12 ] || die "cairn --help lists too few commands: $commands"
 exits 0 cairn help
 says '^Subcommands:'
@@ -33,6 +34,17 @@ for command in $commands; do
   exits 0 cairn "$command" --help
   says 'xample'
   [ "$command" = worker ] || refuses 'no-such-option|required' cairn "$command" --no-such-option
+done
+
+# Whatever says facts says them for programs, too; those of `keys` and of `scale` are in their commands.
+for command in $commands; do
+  for words in "$command" $(cairn "$command" --help | subcommands_in | sed "s/^/$command:/"); do
+    case $words in
+      coordinator | worker | scale* | keys* | simulate | import | export) continue ;;
+    esac
+    read -ra words <<<"${words//:/ }"
+    cairn "${words[@]}" --help | grep -q -- '--json' || die "cairn ${words[*]} has no --json"
+  done
 done
 
 # What the examples speak of.
@@ -70,6 +82,7 @@ cp -r inputs/result inputs/five-workers
 runs() {
   local line
   [ -n "$(example "$@")" ] || die "cairn $*: no example"
+  known[$*]=run
   while IFS= read -r line; do
     rm -rf here
     cp -r inputs here
@@ -80,9 +93,10 @@ runs() {
   done < <(example "$@")
 }
 ran=0
+declare -A known=() # commands whose examples were run, or are by another test
 
 runs
-for command in run simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' 'simulate office' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' 'import pioneer' 'import dpslam' 'import wean' 'import tum' inspect evaluate report pipelines export \
+for command in run map simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' 'simulate office' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' 'import pioneer' 'import dpslam' 'import wean' 'import tum' inspect evaluate report pipelines export \
   'export tum' 'export g2o' 'export ros' 'export octomap' 'export png' 'export csv' diff keys 'keys allow' 'keys show' 'keys revoke'; do
   read -ra words <<<"$command"
   runs "${words[@]}"
@@ -110,6 +124,7 @@ for pipeline in $(cairn pipelines --json | sed -n 's/^    "name": "\(.*\)",$/\1/
   [ "$pipeline" != image_features ] || cp images.h5 samples.h5
   line=$(cairn pipelines "$pipeline" | sed -n 's/^  \(cairn run .*--out result\)$/\1/p')
   [ -n "$line" ] || die "cairn pipelines $pipeline: no example"
+  [[ ! "$line " =~ =0(\.0*)?\  ]] || die "its example says nothing of what an option takes: $line"
   exits 0 bash -euo pipefail -c "$line --dry-run"
   shown=$((shown + 1))
 done
@@ -120,7 +135,7 @@ exits 0 cairn-reproduce help
 says '^Subcommands:'
 refuses "there is no command 'landmark'; did you mean 'landmarks'" cairn-reproduce landmark
 # The papers' figures take minutes of processor time: each has a test of its own, which runs its example.
-for figures in $(cairn-reproduce --help | awk '/^Subcommands:/ {on = 1; next} /^$/ {on = 0} on && /^  [a-z]/ {print $1}'); do
+for figures in $(cairn-reproduce --help | subcommands_in); do
   grep -qF "(cairn-reproduce $figures --help | examples_in)" "$CAIRN_SOURCE"/tests/end_to_end/reproduce*_test.sh ||
     die "no test runs the example of cairn-reproduce $figures"
 done
@@ -146,4 +161,32 @@ lines=$(example coordinator)
 (cd inputs && bash -c "$lines"$'\n''code=$?; kill $(jobs -p); exit $code') >stdout 2>stderr ||
   die "the example of cairn coordinator fails: $lines"
 says 'done|landmarks'
+known[coordinator]=run
 [ "$ran" -ge 20 ] || die "only $ran examples were run"
+
+# What is left needs hosts, a cluster, a mount or a worker's number: it is read to its end, as far as the address of a service,
+# which nothing can have.
+export CAIRN_HOME=$work/$(printf 'x%.0s' {1..200})
+# reads WHAT LINES: the commands of an example, each by itself.
+reads() {
+  local line part
+  while IFS= read -r line; do
+    while IFS= read -r part; do
+      (cd inputs && bash -c "$part") </dev/null >stdout 2>stderr || [ $? -le 2 ] || die "the example of $1 ends badly: $part"
+      ! grep -E '\(cairn.* --help (lists|says)|Run with --help' stderr || die "the example of $1 says what there is not: $part"
+      parsed=$((parsed + 1))
+    done < <(sed 's/ && /\n/g; s|/mnt/safe|safe|g' <<<"$line")
+  done <<<"$2"
+}
+parsed=0
+for command in $commands; do
+  for words in "$command" $(cairn "$command" --help | subcommands_in | sed "s/^/$command:/"); do
+    read -ra words <<<"${words//:/ }"
+    [ -z "${known[${words[*]}]:-}" ] || continue
+    lines=$(example "${words[@]}")
+    [ -n "$lines" ] || die "cairn ${words[*]}: no example"
+    reads "cairn ${words[*]}" "$lines"
+  done
+done
+reads cairn-worker "$(cairn-worker --help | examples_in)"
+[ "$parsed" -ge 12 ] || die "only $parsed other examples were read"

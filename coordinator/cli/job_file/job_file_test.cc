@@ -409,6 +409,10 @@ TEST_F(JobFile, AnExampleSaysNoOptionWithoutAValue) {
   EXPECT_NE(PipelineText(pipeline).find("\n  cairn run forward_map log.h5 --set cell_m=1 --out result\n"),
             std::string::npos)
       << PipelineText(pipeline);
+  // A pipeline chooses where it is 0; nobody says so.
+  pipeline.options.front().name = "chosen_m";
+  pipeline.options.front().default_text = "0.0";
+  EXPECT_EQ(PipelineText(pipeline).find("--set chosen_m"), std::string::npos);
   pipeline.options.front().name = "runs";
   pipeline.options.front().default_text.clear();
   EXPECT_NE(PipelineText(pipeline).find(

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/output/text_table.h"
 
 namespace cairn::cli {
@@ -57,6 +58,13 @@ nlohmann::ordered_json ToJson(const OptionSpec& option) {
   return json;
 }
 
+// A value for the example: what is taken anyway. A 0 is none: it mostly lets the pipeline choose, and tells
+// nobody what may be said.
+bool IsForExample(const OptionSpec& option) {
+  const bool number = option.type == "real" || option.type == "integer";
+  return !option.default_text.empty() && !(number && ToReal(option.default_text).value_or(0) == 0);
+}
+
 // One that runs where the files that it names are there. An option that is empty unless somebody says
 // otherwise may be one that has to be said, unless another input says it: which runs to localise in networks
 // know.
@@ -64,11 +72,10 @@ std::string ExampleOf(const PipelineSpec& pipeline) {
   std::string example = "cairn run " + pipeline.name + " " +
                         (pipeline.inputs.empty() ? "FILE" : pipeline.inputs.front().name) + ".h5";
   const auto& options = pipeline.options;
-  const auto has_value = [](const OptionSpec& option) { return !option.default_text.empty(); };
   const auto beside = std::ranges::find_if(pipeline.inputs, &InputSpec::optional);
-  if (!options.empty() && !has_value(options.front()) && beside != pipeline.inputs.end())
+  if (!options.empty() && options.front().default_text.empty() && beside != pipeline.inputs.end())
     example += " --input " + beside->name + "=" + beside->name + ".h5";
-  if (const auto option = std::ranges::find_if(options, has_value); option != options.end())
+  if (const auto option = std::ranges::find_if(options, IsForExample); option != options.end())
     example += " --set " + option->name + "=" + option->default_text;
   return example + " --out result";
 }
