@@ -98,7 +98,10 @@ is_page fetched/report.html 'loop: chain'
 chain_page fetched/report.html
 for picture in fetched/map.png fetched/raw/map.png fetched/forward/map.png; do is_picture $picture; done
 grep -qF 'class="verdict"' fetched/report.html || die "a fetched page does not say how far to trust the map"
-exits 0 cairn results "$id" --out fetched
+exits 0 cairn results "$id" --out fetched --json
+[ "$(grep -c '"holds": "' stdout)" -eq "$(($(find fetched -name '*.h5' | wc -l) + $(find fetched -name '*.png' | wc -l) + 1))" ] ||
+  die "it does not say each file: $(cat stdout)"
+says '"file": "fetched/report.html"'
 
 # Not in the place of another job's.
 exits 0 cairn submit evidence_map hall.h5 --json

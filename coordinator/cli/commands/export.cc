@@ -1,6 +1,8 @@
 #include "datasets/export/export.h"
 
 #include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "coordinator/cli/commands/folder_jobs.h"
 #include "coordinator/cli/common/failure.h"
@@ -20,6 +22,7 @@ struct ExportArguments {
   std::string log;               // g2o only
   std::string mode = "trinary";  // ros only
   bool force = false;
+  bool json = false;
 };
 
 bool IsForPlanning(const ExportArguments& options) {
@@ -56,20 +59,45 @@ datasets::Written Write(const ExportArguments& options, const Blob& blob) {
   return datasets::ExportG2o(blob, &log, options.folder, options.force);
 }
 
+// What one of the format's files holds: of tables and pictures their name says it.
+std::string HeldBy(const std::string& file, const std::string& format) {
+  const std::filesystem::path path(file);
+  if (format == "tum") return "trajectory";
+  if (format == "g2o") return "graph";
+  if (format == "octomap") return "octree";
+  if (format == "ros") return path.extension() == ".yaml" ? "settings" : "grid";
+  return path.stem().string();
+}
+
+void PrintWritten(const ExportArguments& options, const std::string& kind,
+                  const std::vector<std::string>& files, const std::vector<std::string>& left_out) {
+  nlohmann::ordered_json json = {{"kind", kind},
+                                 {"format", options.format},
+                                 {"files", nlohmann::ordered_json::array()},
+                                 {"left_out", left_out}};
+  for (const std::string& file : files)
+    json["files"].push_back({{"file", file}, {"holds", HeldBy(file, options.format)}});
+  std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
 int Export(const ExportArguments& options, const Invocation&) {
   const BlobFile source = ReadSource(options);
   WarnOfSeveralJobs(options.from, "it is the " + source.kind + " that is exported");
   const datasets::ResultKind* kind = datasets::FindResultKind(source.kind);
-  for (const std::string& file : Take(Write(options, source.blob))) std::printf("%s\n", file.c_str());
+  const std::vector<std::string> files = Take(Write(options, source.blob));
+  const std::vector<std::string> left =
+      options.format == "csv" ? datasets::NotInCsv(source.blob) : std::vector<std::string>();
+  if (options.json) PrintWritten(options, source.kind, files, left);
+  for (const std::string& file : files)
+    if (!options.json) std::printf("%s\n", file.c_str());
   if (IsForPlanning(options) && kind != nullptr && !kind->tells_free_space) {
     std::fprintf(stderr,
                  "note: a landmark map says nothing of free space: where no landmark is nothing is known. To "
                  "plan ways make a grid map (evidence_map, forward_map)\n");
   }
-  if (options.format == "csv")
-    if (const std::vector<std::string> left = datasets::NotInCsv(source.blob); !left.empty())
-      std::fprintf(stderr, "note: left out, for CSV has no place for them: %s\n",
-                   Escaped(NameList(left)).c_str());
+  if (!left.empty())
+    std::fprintf(stderr, "note: left out, for CSV has no place for them: %s\n",
+                 Escaped(NameList(left)).c_str());
   return kExitDone;
 }
 
@@ -83,6 +111,7 @@ void AddFormat(Command parent, Invocation& call, const char* format, const char*
   command.Add("FOLDER", options->folder, "Where to write; made where it is missing").Required();
   AddChangedFlag(command, &options->changed);
   command.AddFlag("--force", options->force, "Replace files that are there already");
+  command.AddFlag("--json", options->json, "What was written, as JSON");
   if (options->format == "ros") {
     command
         .Add("--mode", options->mode,

@@ -1,6 +1,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "coordinator/cli/commands/client_arguments.h"
@@ -101,6 +102,32 @@ std::string WhyNoResults(const wire::JobInfo& job) {
   return "job " + job.id() + " has no results yet";
 }
 
+// A line a file, or with --json an object a job: {"job", "state", "stages", "files": [{"file", "holds"}]}.
+class FetchedText {
+ public:
+  explicit FetchedText(bool as_json) : as_json_(as_json) {}
+
+  void AddJob(const wire::JobInfo& job) {
+    jobs_.push_back({{"job", job.id()},
+                     {"state", job.state()},
+                     {"stages", job.stages()},
+                     {"files", nlohmann::ordered_json::array()}});
+  }
+  void AddFile(const std::string& file, const std::string& holds) {
+    jobs_.back()["files"].push_back({{"file", file}, {"holds", holds}});
+    if (!as_json_) std::printf("%s\n", file.c_str());
+  }
+  void Print() const {
+    if (as_json_)
+      std::printf("%s\n", jobs_.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  }
+  bool as_json() const { return as_json_; }
+
+ private:
+  bool as_json_;
+  nlohmann::ordered_json jobs_ = nlohmann::ordered_json::array();
+};
+
 // What came of a job that was cut short is said to be a part of it.
 void SayWhatIsMissing(const wire::JobInfo& job, std::size_t stages) {
   if (IsCutShort(job) && stages < job.stages())
@@ -111,7 +138,8 @@ void SayWhatIsMissing(const wire::JobInfo& job, std::size_t stages) {
 
 // A file a stage, and the pages of what came: the log, for raw odometry and truth, stays with who has it.
 // What is there already and is another is only replaced by force, and else none is written.
-void Fetch(coordinator::Client& client, const std::string& job, const fs::path& folder, bool force) {
+void Fetch(coordinator::Client& client, const std::string& job, const fs::path& folder, bool force,
+           FetchedText& text) {
   coordinator::ResultsFacts facts;
   const std::map<std::string, BlobPtr> results = Take(client.Results(job, &facts));
   if (results.empty())
@@ -132,22 +160,23 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
   for (const auto& [stage, blob] : results) names.push_back(stage);
   if (!force) CheckPagesAreOurs(folder.string(), names, JobOf(*results.begin()->second));
   std::vector<ScoredStage> stages;
+  text.AddJob(facts.job);
   for (const auto& [stage, blob] : results) {
     const std::string file = (folder / (stage + ".h5")).string();
     const std::string kind = KindOf(*blob);
     Check(WriteBlobFile(file, kind, *blob));
-    std::printf("%s\n", file.c_str());
+    text.AddFile(file, kind);
     stages.push_back({.name = stage, .kind = kind, .result = blob});
   }
   SortByJob(&stages);
   const WrittenPages written = WritePages(folder, stages);
   for (const std::string& picture : written.pictures)
-    if (!picture.empty()) std::printf("%s\n", picture.c_str());
-  if (!written.report.empty()) std::printf("%s\n", written.report.c_str());
+    if (!picture.empty()) text.AddFile(picture, "picture");
+  if (!written.report.empty()) text.AddFile(written.report, "report");
   if (!facts.damaged.empty())
     throw InputError("job " + job + ": what can be read is in '" + folder.string() + "'; it lacks " +
                      facts.damaged);
-  SayWhatIsMissing(facts.job, results.size());
+  if (!text.as_json()) SayWhatIsMissing(facts.job, results.size());
 }
 
 // Of one job into --out itself; of many each into a folder of its own there.
@@ -160,12 +189,19 @@ int Results(const JobsArguments& options, const Invocation&) {
     for (const wire::JobInfo& job : Chosen(options.choice, Take(client.List()).jobs))
       if (job.state() == "done") jobs.push_back(job.id());
   if (jobs.empty()) throw InputError("no job that is done is called '" + options.choice.name + "'");
-  for (const std::string& job : jobs) {
-    const fs::path folder = options.out.empty()          ? fs::path(job)
-                            : by_name || jobs.size() > 1 ? fs::path(options.out) / job
-                                                         : fs::path(options.out);
-    Fetch(client, job, folder, options.force);
+  FetchedText text(options.json);
+  try {
+    for (const std::string& job : jobs) {
+      const fs::path folder = options.out.empty()          ? fs::path(job)
+                              : by_name || jobs.size() > 1 ? fs::path(options.out) / job
+                                                           : fs::path(options.out);
+      Fetch(client, job, folder, options.force, text);
+    }
+  } catch (...) {
+    text.Print();  // what has come all the same
+    throw;
   }
+  text.Print();
   return kExitDone;
 }
 
@@ -209,6 +245,7 @@ void AddJobs(Command app, Invocation& call) {
   command.Add("--name", options->choice.name, "All that are done whose name matches this pattern");
   command.Add("--out", options->out, "Folder to write to (the job's id)");
   command.AddFlag("--force", options->force, "Replace files that are there already and hold something else");
+  command.AddFlag("--json", options->json, "What was written, as JSON");
 }
 
 }  // namespace cairn::cli

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "coordinator/cli/commands/folder_jobs.h"
 #include "coordinator/cli/common/failure.h"
@@ -25,6 +26,7 @@ struct ReportArguments {
   std::string log;
   std::string out;
   bool force = false;
+  bool json = false;
 };
 
 datasets::ReportedStage Reported(const ScoredStage& stage) {
@@ -122,6 +124,14 @@ std::string ComparisonOf(const std::vector<ScoredStage>& stages, std::vector<Sco
   return datasets::ComparisonHtml(pairs, options.result, options.beside);
 }
 
+void PrintPage(const std::string& page, const std::vector<ScoredStage>& stages) {
+  nlohmann::ordered_json json = {{"file", page}, {"stages", nlohmann::ordered_json::array()}};
+  for (const ScoredStage& stage : stages)
+    json["stages"].push_back(
+        {{"name", stage.name}, {"kind", stage.kind}, {"evaluated", stage.evaluated.has_value()}});
+  std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
 int Report(const ReportArguments& options, const Invocation&) {
   for (const std::string& result : {options.result, options.beside})
     if (!result.empty() && !fs::exists(result))
@@ -146,7 +156,10 @@ int Report(const ReportArguments& options, const Invocation&) {
     WritePage(out, PageOf(stages, several));
   else
     WritePage(out, ComparisonOf(stages, ReadStages(options.beside, options.changed, log, false), options));
-  std::printf("%s\n", out.c_str());
+  if (options.json)
+    PrintPage(out, stages);
+  else
+    std::printf("%s\n", out.c_str());
   return kExitDone;
 }
 
@@ -211,6 +224,7 @@ void AddReport(Command app, Invocation& call) {
   command.Add("--out", options->out, "The page to write (report.html beside the result)");
   AddChangedFlag(command, &options->changed);
   command.AddFlag("--force", options->force, "Replace the page where it is there already");
+  command.AddFlag("--json", options->json, "What was written, as JSON");
 }
 
 }  // namespace cairn::cli

@@ -1,9 +1,11 @@
 #include "coordinator/cli/commands/simulate/halls.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "coordinator/cli/commands/simulate/simulated.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/output/path.h"
@@ -12,22 +14,19 @@
 namespace cairn::cli {
 namespace {
 
-struct SimulateHallsArguments {
+struct SimulateHallsArguments : SimulateOutput {
   datasets::SimulateHallwayOptions hall;  // of the other two the seed alone counts
-  std::string out;
-  bool force = false;
 };
 
 int Publish(const SimulateHallsArguments& options, const Blob& log) {
-  WriteOutput(options.out, "log", log, options.force);
   const auto range = log.Get<double>("robot/0/sonar/range_m");
   const auto cause = log.Get<std::uint8_t>("truth/robot/0/sonar/cause");
   const auto heard = std::ranges::count_if(range, [](double r) { return !std::isnan(r); });
   const auto doors = log.at("truth/doors/open").size();
-  std::printf("%s: %zu sonar readings, %td echoes, %td through %s\n", options.out.c_str(), range.size(),
-              heard, std::ranges::count(cause, 2),
-              doors == 1 ? "the door" : (std::to_string(doors) + " doors").c_str());
-  return kExitDone;
+  return StoreSimulated(
+      options, "log", log,
+      fmt::format("{} sonar readings, {} echoes, {} through {}", range.size(), heard,
+                  std::ranges::count(cause, 2), doors == 1 ? "the door" : std::to_string(doors) + " doors"));
 }
 
 template <class Simulate>
@@ -54,8 +53,7 @@ std::shared_ptr<SimulateHallsArguments> AddHall(Command simulate, Invocation& ca
                                                 Command* app) {
   const auto options = AddCommand<SimulateHallsArguments>(simulate, call, name, summary, example, run, app);
   app->Add("--seed", options->hall.seed, "Same seed, same log").Check(CheckSeed).ShowDefault();
-  app->AddFlag("--force", options->force, "Replace OUT.h5 where it is there already");
-  app->Add("OUT.h5", options->out, "The log to write").Required();
+  AddOutput(*app, *options, "log");
   return options;
 }
 

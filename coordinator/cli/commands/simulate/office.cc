@@ -1,8 +1,9 @@
 #include "datasets/simulate/office/office.h"
 
-#include <cstdio>
+#include <fmt/format.h>
 
 #include "coordinator/cli/commands/simulate/halls.h"
+#include "coordinator/cli/commands/simulate/simulated.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/output/path.h"
@@ -11,10 +12,9 @@
 namespace cairn::cli {
 namespace {
 
-struct SimulateOfficeArguments {
+struct SimulateOfficeArguments : SimulateOutput {
   datasets::SimulateOfficeOptions office;
-  bool nobody = false, force = false;
-  std::string out;
+  bool nobody = false;
 };
 
 int Simulate(const SimulateOfficeArguments& options, const Invocation&) {
@@ -22,13 +22,13 @@ int Simulate(const SimulateOfficeArguments& options, const Invocation&) {
   datasets::SimulateOfficeOptions office = options.office;
   office.persons = !options.nobody;
   const Blob log = datasets::SimulateOffice(office);
-  WriteOutput(options.out, "log", log, options.force);
   const auto time = log.Get<double>("robot/0/sonar/time_s");
   double travelled_m = 0;
   for (const double forward : log.Get<double>("robot/0/odometry/forward_m")) travelled_m += forward;
-  std::printf("%s: %zu scans over %.0f s and %.0f m, odometry ends %.1f m off\n", options.out.c_str(),
-              time.size(), time.back(), travelled_m, datasets::FinalOdometricErrorM(log, 0));
-  return kExitDone;
+  return StoreSimulated(
+      options, "log", log,
+      fmt::format("{} scans over {:.0f} s and {:.0f} m, odometry ends {:.1f} m off", time.size(), time.back(),
+                  travelled_m, datasets::FinalOdometricErrorM(log, 0)));
 }
 
 }  // namespace
@@ -46,8 +46,7 @@ void AddSimulateOffice(Command simulate, Invocation& call) {
   app.AddFlag("--hints", office.hints, "Somebody marks the doorways that the robot drives through");
   app.AddFlag("--nobody", options->nobody, "The same drive, and nobody else in the office");
   app.Add("--seed", office.seed, "Same seed, same log").Check(CheckSeed).ShowDefault();
-  app.AddFlag("--force", options->force, "Replace OUT.h5 where it is there already");
-  app.Add("OUT.h5", options->out, "The log to write").Required();
+  AddOutput(app, *options, "log");
 }
 
 }  // namespace cairn::cli

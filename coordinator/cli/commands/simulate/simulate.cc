@@ -1,8 +1,10 @@
-#include <cstdio>
+#include <fmt/format.h>
+
 #include <filesystem>
 
 #include "coordinator/cli/commands/simulate/halls.h"
 #include "coordinator/cli/commands/simulate/loop_options.h"
+#include "coordinator/cli/commands/simulate/simulated.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/scalar.h"
@@ -14,26 +16,23 @@
 namespace cairn::cli {
 namespace {
 
-struct SimulateArguments {
+struct SimulateArguments : SimulateOutput {
   datasets::SimulateLoopOptions loop;
-  std::string out;
-  bool force = false;
 };
 
 int Simulate(const SimulateArguments& options, const Invocation&) {
   CheckOverwrite(options.out, options.force);
   const Blob log = datasets::SimulateLoop(options.loop);
-  WriteOutput(options.out, "log", log, options.force);
-  std::printf("%s: %d robot%s, %zu landmarks in truth, odometry ends %.1f m off\n", options.out.c_str(),
-              options.loop.robots, options.loop.robots == 1 ? "" : "s",
-              log.Texts("truth/landmarks/name").size(), datasets::FinalOdometricErrorM(log, 0));
-  return kExitDone;
+  return StoreSimulated(
+      options, "log", log,
+      fmt::format("{} robot{}, {} landmarks in truth, odometry ends {:.1f} m off", options.loop.robots,
+                  options.loop.robots == 1 ? "" : "s", log.Texts("truth/landmarks/name").size(),
+                  datasets::FinalOdometricErrorM(log, 0)));
 }
 
-struct CorridorOptions {
+struct CorridorOptions : SimulateOutput {
   datasets::SimulateCorridorOptions corridor;
-  std::string out, pictures;
-  bool force = false;
+  std::string pictures;  // a folder
 };
 
 std::string PictureOf(const CorridorOptions& options, const std::string& run) {
@@ -54,13 +53,17 @@ int SimulateCorridor(const CorridorOptions& options, const Invocation&) {
   std::vector<datasets::CorridorPicture> pictures;
   const Blob samples =
       datasets::SimulateCorridor(options.corridor, options.pictures.empty() ? nullptr : &pictures);
-  for (const datasets::CorridorPicture& picture : pictures)
-    WriteOutput(PictureOf(options, picture.name), picture.png, options.force);
-  WriteOutput(options.out, "samples", samples, options.force);
-  std::printf("%s: %d run%s of %d snapshots, %zu inputs, features: %s\n", options.out.c_str(),
-              options.corridor.runs, options.corridor.runs == 1 ? "" : "s", options.corridor.snapshots,
-              samples.Texts("input_name").size(), Join(samples.Texts("feature_name")).c_str());
-  return kExitDone;
+  std::vector<std::string> written;
+  for (const datasets::CorridorPicture& picture : pictures) {
+    written.push_back(PictureOf(options, picture.name));
+    WriteOutput(written.back(), picture.png, options.force);
+  }
+  return StoreSimulated(
+      options, "samples", samples,
+      fmt::format("{} run{} of {} snapshots, {} inputs, features: {}", options.corridor.runs,
+                  options.corridor.runs == 1 ? "" : "s", options.corridor.snapshots,
+                  samples.Texts("input_name").size(), Join(samples.Texts("feature_name"))),
+      written);
 }
 
 void AddCorridor(Command simulate, Invocation& call) {
@@ -92,8 +95,7 @@ void AddCorridor(Command simulate, Invocation& call) {
   app.AddFlag("--images", corridor.images,
               "The images themselves instead of 140 inputs (for image_features)");
   app.Add("--pictures", options->pictures, "A folder: writes a PNG for each run, an image a metre");
-  app.AddFlag("--force", options->force, "Replace OUT.h5 and pictures where they are there already");
-  app.Add("OUT.h5", options->out, "The samples to write").Required();
+  AddOutput(app, *options, "samples");
 }
 
 }  // namespace
@@ -111,8 +113,7 @@ void AddSimulate(Command app, Invocation& call) {
       .ShowDefault();
   AddLoopOptions(loop, &options->loop);
   loop.Add("--seed", options->loop.seed, "Same seed, same log").Check(CheckSeed).ShowDefault();
-  loop.AddFlag("--force", options->force, "Replace OUT.h5 where it is there already");
-  loop.Add("OUT.h5", options->out, "The log to write").Required();
+  AddOutput(loop, *options, "log");
   AddCorridor(simulate, call);
   AddSimulateHalls(simulate, call);
   AddSimulateOffice(simulate, call);
