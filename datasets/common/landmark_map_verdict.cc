@@ -76,6 +76,7 @@ Verdict SearchVerdict(const Blob& result, bool at_a_distance, const SeenOnce& se
     verdict.trust = std::min(confidence, Confidence::kFair);
     verdict.why = found;
   } else if (const auto unlike = Unlike(search)) {
+    if (confidence == Confidence::kLow) verdict.trust = confidence;  // no rate is needed to doubt it
     verdict.why = found + "; how often such maps are right was not measured (" + *unlike + ")";
   } else if (seen.passed_again > 0) {
     verdict.trust = confidence;  // what it is of logs with false observations was not measured
@@ -131,7 +132,9 @@ Verdict::Doubt OfWidths(const kinds::LandmarkMap& map) {
   if (wider <= kWider) return {Confidence::kHigh};
   return {AtMost(wider, kWider, kMuchWider),
           fmt::format("ranges or bearings err by {:.1f} times what is stated, or was expected{}", wider,
-                      LandmarkThatMoves(map).empty() ? ": is the sensor's mount right?" : "")};
+                      !LandmarkThatMoves(map).empty() ? ""
+                      : wider > kMuchWider            ? ": is the sensor's mount right?"
+                                                      : ": is the sensor less exact?")};
 }
 
 Verdict::Doubt OfRun(const kinds::LandmarkMap::Fit& fit) {
@@ -340,6 +343,14 @@ Verdict::Doubt WhereStartsDisagree(const kinds::LandmarkMap& map, Verdict::Doubt
   return {Confidence::kLow, doubt.text + "; most starts led to another map"};
 }
 
+// Where landmarks have no names and a sensor errs more than it should, what it says of many of them that they
+// are none may be the right ones.
+Verdict::Doubt WhereMuchIsLeftOut(bool all_named, double explained_share, Verdict::Doubt doubt) {
+  constexpr double kMost = 0.2;
+  if (doubt.text.empty() || all_named || 1 - explained_share <= kMost) return doubt;
+  return {Confidence::kLow, doubt.text + "; more than a fifth of the observations was left out"};
+}
+
 // Of landmarks that observations name there is no search: the fit of the least squares is what the verdict
 // rests on. Else it may lower what the search says.
 void JudgeFit(const kinds::LandmarkMap& map, double explained_share, const SeenOnce& seen, Verdict* verdict) {
@@ -365,9 +376,11 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, const SeenO
   verdict->why = named ? fitted : verdict->why + "; " + fitted;
   verdict->Add(OfSeenOnce(seen, true));
   for (const Verdict::Doubt& doubt :
-       {OfMisfits(map), WhereStartsDisagree(map, OfWidths(map)), WhereStartsDisagree(map, OfRun(fit)),
-        WhereStartsDisagree(map, OfJumps(map)), OfHalves(fit), OfLandmarksOnOneSide(map, verdict),
-        OfHoles(map, verdict), OfPlaces(map, verdict), OfOneSided(map, verdict), OfUncertainty(map, verdict),
+       {OfMisfits(map),
+        WhereMuchIsLeftOut(all_named, explained_share, WhereStartsDisagree(map, OfWidths(map))),
+        WhereStartsDisagree(map, OfRun(fit)), WhereStartsDisagree(map, OfJumps(map)), OfHalves(fit),
+        OfLandmarksOnOneSide(map, verdict), OfFewInCommon(map, verdict), OfHoles(map, verdict),
+        OfPlaces(map, verdict), OfOneSided(map, verdict), OfUncertainty(map, verdict),
         OfDistances(map, verdict), OfTurns(map, verdict), OfRangeOffsets(map, verdict)}) {
     verdict->Add(doubt);
   }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -34,6 +35,29 @@ TEST(LandmarkMapVerdict, StatesARateOnlyOfWhatItWasMeasuredOn) {
     EXPECT_EQ(text.find("right in"), std::string::npos) << text;
     EXPECT_EQ(text.find("high"), std::string::npos) << text;
   }
+}
+
+// Contact detections unlike those of which rates are known: that two maps are as good as each other, or that
+// most landmarks were seen once and passed again, tells all the same.
+TEST(LandmarkMapVerdict, OfContactsUnlikeThoseMeasuredWhatIsDoubtedIsLow) {
+  const auto unlike = [](int support, double lead_nats, std::vector<std::int32_t> seen) {
+    Blob result = Searched(support, lead_nats);
+    result.Put("search/unlike", Array::Texts({"travelled_m is 133, not 316 to 362"}));
+    result.Put("robots", Array::Texts({"robot"}));
+    result.PutVector("robot/0/observations/map_landmark", std::move(seen));
+    result.PutVector<double>("map/landmark_x_m", {0, 1, 2, 3});
+    result.PutVector<std::int64_t>("map/landmark_passes", {2, 2, 2, 2});
+    return LandmarkMapVerdict(result);
+  };
+  const std::vector<std::int32_t> often = {0, 0, 1, 1, 2, 2, 3, 3}, once = {0, 0, 1, 1, 2, 3};
+  EXPECT_EQ(unlike(10, 57.25, often).trust, Confidence::kNone);
+  EXPECT_EQ(unlike(10, 1.5, often).trust, Confidence::kLow);
+  EXPECT_EQ(unlike(1, 57.25, often).trust, Confidence::kLow);
+  const Verdict doubted = unlike(10, 57.25, once);
+  EXPECT_EQ(doubted.trust, Confidence::kLow);
+  EXPECT_NE(doubted.why.find("not measured (travelled_m is 133"), std::string::npos) << doubted.why;
+  EXPECT_NE(doubted.why.find("2 of them were passed again and not observed"), std::string::npos)
+      << doubted.why;
 }
 
 TEST(LandmarkMapVerdict, IsHighWhereManyStartsFoundTheMapAndItIsFarAhead) {
@@ -314,6 +338,32 @@ TEST(LandmarkMapVerdict, WhereMostObservationsAreOfNoLandmarkItIsLow) {
   EXPECT_EQ(noise.trust, Confidence::kLow);
   EXPECT_NE(noise.why.find("2 of 3 observations are of none of its landmarks"), std::string::npos)
       << noise.why;
+}
+
+// A sensor with many false observations that errs twice as much as was expected.
+TEST(LandmarkMapVerdict, WhereMuchIsLeftOutASensorThatErrsMoreIsADoubt) {
+  const auto seen = [](std::int32_t identity, std::size_t left_out, double range_found_m) {
+    Blob map = FittedMap(200, 0, 0, 0, 4, range_found_m);
+    map.PutAll("", Searched(12, 57.25));
+    map.PutVector<std::int32_t>("map/landmark_identity", {identity});
+    std::vector<std::int32_t> landmark(200, 0);
+    std::fill_n(landmark.begin(), left_out, -1);
+    map.PutVector("robot/0/observations/map_landmark", landmark);
+    return LandmarkMapVerdict(map);
+  };
+  EXPECT_EQ(seen(-1, 40, 0.2).trust, Confidence::kFair);
+  EXPECT_EQ(seen(-1, 41, 0.1).trust, Confidence::kFair);
+  EXPECT_EQ(seen(0, 41, 0.2).trust, Confidence::kFair) << "names tell which is which";
+  EXPECT_EQ(seen(-1, 41, 0.2).trust, Confidence::kLow);
+}
+
+TEST(LandmarkMapVerdict, AMountIsDoubtedWhereASensorErrsByFarMore) {
+  const auto asks = [](double found_m, const char* what) {
+    return TextOf(FittedMap(200, 0, 0, 0, 4, found_m)).find(what) != std::string::npos;
+  };
+  EXPECT_FALSE(asks(0.2, "mount"));
+  EXPECT_TRUE(asks(0.2, "is the sensor less exact?"));
+  EXPECT_TRUE(asks(0.31, "is the sensor's mount right?"));
 }
 
 TEST(LandmarkMapVerdict, DataThatNoPathExplainsAreLow) {

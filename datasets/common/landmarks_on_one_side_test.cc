@@ -46,6 +46,45 @@ TEST(LandmarksOnOneSide, AreALowMapWhereTheyAreThreeAndMoreThanTwiceTheOthers) {
       << slipped.why;
 }
 
+// A robot that sees one landmark after the other: 20 times each of `before`, then of `after`.
+Verdict WhereSeen(const std::vector<std::int32_t>& before, const std::vector<std::int32_t>& after,
+                  std::int32_t identity = -1, const std::vector<std::int32_t>& other = {}) {
+  kinds::LandmarkMap map;
+  map.robots = std::vector<std::string>{"robot", "other"};
+  map.robot.resize(2);
+  std::vector<std::int32_t> seen;
+  for (const auto* side : {&before, &after})
+    for (int k = 0; k < 20; ++k) seen.insert(seen.end(), side->begin(), side->end());
+  map.map.landmark_identity = std::vector<std::int32_t>{identity, -1, -1, -1, -1, -1};
+  if (identity >= 0) map.map.landmark_identity = std::vector<std::int32_t>(6, identity);
+  map.search.support = 12;
+  map.search.starts = 12;
+  map.fit.observations = static_cast<std::int64_t>(seen.size());
+  map.fit.misfits = 0;
+  map.fit.longest_run = 0;
+  map.robot[0].map_landmark = std::move(seen);
+  map.robot[1].map_landmark = other;
+  return LandmarkMapVerdict(BlobOf(map));
+}
+
+TEST(FewInCommon, AreALowMapWhereNoMoreThanHalfOfThemAreSeenOnBothSides) {
+  EXPECT_EQ(WhereSeen({0, 1, 2, 3}, {0, 1, 2, 3}).trust, Confidence::kFair);
+  EXPECT_EQ(WhereSeen({0, 1, 2, 3}, {1, 2, 3, 4, 5}).trust, Confidence::kFair) << "three of four";
+  EXPECT_EQ(WhereSeen({0, 1}, {4, 5}).trust, Confidence::kFair) << "so few may be chance";
+  const Verdict slipped = WhereSeen({0, 1, 2, 3}, {2, 3, 4, 5});
+  EXPECT_EQ(slipped.trust, Confidence::kLow);
+  EXPECT_NE(slipped.why.find("; only 2 of the 4 landmarks on one side of observation 78 were seen on the "
+                             "other side, too"),
+            std::string::npos)
+      << slipped.why;
+  EXPECT_GE(WhereSeen({0, 1, 2, 3}, {2, 3, 4, 5}, 0).trust, Confidence::kFair) << "names tell";
+}
+
+TEST(FewInCommon, CountWhatAnotherRobotSawOfBothSides) {
+  EXPECT_EQ(WhereSeen({0, 1, 2, 3}, {2, 3, 4, 5}, -1, {0, 1, 4}).trust, Confidence::kLow) << "one beyond";
+  EXPECT_EQ(WhereSeen({0, 1, 2, 3}, {2, 3, 4, 5}, -1, {0, 1, 2, 3, 4, 5}).trust, Confidence::kFair);
+}
+
 TEST(LandmarksOnOneSide, AreNoSignWhereSomeHaveNames) {
   EXPECT_EQ(VerdictOf(12, 2, {0, -1}).trust, VerdictOf(0, 0, {0, -1}).trust);
   EXPECT_EQ(VerdictOf(12, 2, {0, -1}).why.find("only before"), std::string::npos);

@@ -28,7 +28,8 @@ void Verdict::AddCount(const std::string& name, std::size_t count) {
 }
 
 void Verdict::Add(const Doubt& doubt) {
-  trust = std::min(trust, doubt.at_most);
+  // Where nothing else is known of a result, a doubt of this weight is.
+  trust = doubt.at_most == Confidence::kLow ? Confidence::kLow : std::min(trust, doubt.at_most);
   if (!doubt.text.empty() && why.find(doubt.text) == std::string::npos) why += "; " + doubt.text;
 }
 

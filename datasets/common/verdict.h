@@ -29,7 +29,7 @@ struct Verdict {
   std::vector<std::pair<std::string, double>> numbers = {};  // what it rests on, with units in the names
 
   void AddCount(const std::string& name, std::size_t count);
-  // The words once, however often the same is doubted.
+  // The words once, however often the same is doubted. What is not known becomes low by a doubt that says so.
   void Add(const Doubt& doubt);
   std::string Text() const;  // "high: 513 loops closed, none contradicted"
 };

@@ -15,6 +15,15 @@ TEST(Verdict, IsNoBetterThanTheWorstDoubtAndSaysEachOnce) {
   EXPECT_EQ(verdict.Text(), "low: 20 loops closed; walls are bent; odometry slips");
 }
 
+// No rate was measured, say; but that walls are bent is known.
+TEST(Verdict, WhatIsNotKnownIsLowWhereADoubtSaysSo) {
+  Verdict verdict{.trust = Confidence::kNone, .why = "no loop was closed"};
+  verdict.Add({.at_most = Confidence::kFair, .text = "odometry slips"});
+  EXPECT_EQ(verdict.Text(), "not known: no loop was closed; odometry slips");
+  verdict.Add({.at_most = Confidence::kLow, .text = "walls are bent"});
+  EXPECT_EQ(verdict.Text(), "low: no loop was closed; odometry slips; walls are bent");
+}
+
 TEST(AtMost, IsTheLessTheMoreIsOff) {
   EXPECT_EQ(AtMost(0.07, 0.07, 0.15), Confidence::kHigh);
   EXPECT_EQ(AtMost(0.15, 0.07, 0.15), Confidence::kFair);
