@@ -73,7 +73,7 @@ void FindInImages(const kinds::Log& log, const Settings& settings, const std::ve
   }
   if (std::ranges::all_of(images, [](const ImageObservations& image) { return image.seen.empty(); })) return;
   DropUnidentified(settings.map, landmarks, associated);
-  const double sigma_m = std::hypot(settings.map.observation_m, std::sqrt(variance_m2 / poses));
+  const double sigma_m = std::hypot(settings.in_image_m, std::sqrt(variance_m2 / poses));
   std::vector<Point> named;
   for (const Landmark& landmark : *landmarks) named.push_back({landmark.x_m, landmark.y_m});
   NumberNamed(*landmarks, &images);

@@ -225,7 +225,7 @@ struct Seen {
   std::size_t may_be_first = 1;  // so many robots, from the log's first on
   double extent_m = 0.0;         // of the widest of these
   Sensing sensing;
-  double range_sd_m = 0.0, bearing_sd_rad = 0.0;
+  ObservationNoise stated, taken;  // as the log states them; as EM takes them for
   double default_cell_m = 0.0;
 };
 
@@ -247,10 +247,17 @@ Seen ReadSeen(const Blob& blob) {
   for (std::size_t r = 1; r < seen.may_be_first; ++r)
     seen.extent_m = std::max(seen.extent_m, Extent(Integrate(log.robot[r].odometry, log.robots[r])));
   const double mean_range_m = seen.sensing.mean_range_m;
-  seen.bearing_sd_rad = NoiseParameter(log.noise.bearing_rad, 0.02);
-  seen.range_sd_m = NoiseParameter(log.noise.range_m, 0.03 * mean_range_m);
-  seen.default_cell_m = DefaultCell(log, seen.sensing, seen.extent_m,
-                                    std::hypot(seen.range_sd_m, seen.bearing_sd_rad * mean_range_m));
+  const ObservationNoise usual{0.0, 0.03 * mean_range_m, 0.02};
+  seen.stated = {0.0, NoiseParameter(log.noise.range_m, usual.range_m),
+                 NoiseParameter(log.noise.bearing_rad, usual.bearing_rad)};
+  const auto off_m = [&](const ObservationNoise& sd) {
+    return std::hypot(sd.range_m, sd.bearing_rad * mean_range_m);
+  };
+  // What is exact draws EM from near by only: a slip's landmarks then stay beside those seen before it. The
+  // least squares, which follows, has what is stated.
+  const bool named = seen.sensing.identified == seen.sensing.observations;
+  seen.taken = named || off_m(seen.stated) >= off_m(usual) ? seen.stated : usual;
+  seen.default_cell_m = DefaultCell(log, seen.sensing, seen.extent_m, off_m(seen.taken));
   return seen;
 }
 
@@ -261,7 +268,6 @@ Settings ResolveWith(const Options& options, const Seen& seen, int starts) {
   const std::size_t robots = log.robot.size();
   Settings settings;
   GridSpec& grid = settings.map.grid;
-  const double bearing_sd = seen.bearing_sd_rad, range_sd = seen.range_sd_m;
   grid.cell_m = options.cell_m > 0 ? options.cell_m : seen.default_cell_m;
   grid.headings = Headings(HeadingStepDeg(options, sensing, grid.cell_m));
   const double step_rad = 2.0 * std::numbers::pi / grid.headings;
@@ -272,11 +278,15 @@ Settings ResolveWith(const Options& options, const Seen& seen, int starts) {
   settings.joins_by_geometry = settings.map.partly_named && AnyJoinsByGeometry(log);
   if (options.model == "exact" && settings.map.classes.count > 1)
     throw InputError("model exact is for landmarks that look alike; this log has types: take robust");
-  const double bearing = bearing_sd + step_rad / std::sqrt(12.0);
-  settings.map.observation_m = sensing.ranged == 0 ? NoiseParameter(log.noise.contact_m, 0.3)
-                                                   : std::hypot(range_sd, bearing * sensing.mean_range_m);
-  settings.observation_noise = {NoiseParameter(log.noise.contact_m, settings.map.observation_m), range_sd,
-                                bearing_sd};
+  const auto at_mean_range_m = [&](const ObservationNoise& sd) {
+    const double bearing_rad = sd.bearing_rad + step_rad / std::sqrt(12.0);
+    return std::hypot(sd.range_m, bearing_rad * sensing.mean_range_m);
+  };
+  settings.map.observation_m =
+      sensing.ranged == 0 ? NoiseParameter(log.noise.contact_m, 0.3) : at_mean_range_m(seen.taken);
+  settings.in_image_m = at_mean_range_m(seen.stated);
+  settings.observation_noise = {NoiseParameter(log.noise.contact_m, settings.map.observation_m),
+                                seen.stated.range_m, seen.stated.bearing_rad};
   SetReach(options, sensing, &settings.map);
   settings.map.prior_count = options.model == "exact" ? 0.0 : options.prior_count;
   settings.map.no_landmark = sensing.ranged == 0 ? options.no_landmark : 0.0;

@@ -44,6 +44,7 @@ void VisitSettings(S& s, const F& f) {
   f("contact_m", s.observation_noise.contact_m);
   f("range_m", s.observation_noise.range_m);
   f("bearing_rad", s.observation_noise.bearing_rad);
+  f("in_image_m", s.in_image_m);
   f("triangular", s.shape);
   f("prune", s.prune);
   f("keep_kernels", s.keep_kernels);
@@ -96,7 +97,7 @@ void Settings::Check() const {
   const auto classes = static_cast<std::size_t>(map.classes.count);
   RequireSize("confusion", map.classes.confusion.size(), classes * classes);
   RequireAllWithin("confusion", map.classes.confusion, 0.0, 1.0 + 1e-6);
-  for (const double length_m : {map.observation_m, map.radius_m, map.core_m, box_m})
+  for (const double length_m : {map.observation_m, map.radius_m, map.core_m, in_image_m, box_m})
     RequireWithin("a length of the map", length_m, 0.0, kMostCells * grid.cell_m);
   for (const double ratio : {noise.heading_drift_rad_per_m, noise.heading_walk_rad_per_sqrt_m,
                              noise.forward_ratio, noise.turn_ratio})

@@ -19,7 +19,8 @@ struct Settings {
   MotionNoise noise;
   StepRules steps;
   Detection detection;
-  ObservationNoise observation_noise;
+  ObservationNoise observation_noise;  // as stated; EM takes nothing for more exact than usual
+  double in_image_m = 0.3;             // how far off an observation of an image is, as stated
   ErrorShape shape = ErrorShape::kGaussian;
   double prune = 1e-3;
   bool keep_kernels = false;

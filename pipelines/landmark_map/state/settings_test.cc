@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "pipelines/landmark_map/testing.h"
 #include "schema/kinds/kind.h"
@@ -80,7 +81,9 @@ TEST(Resolve, ObservationsWithoutIdentityGrowThePrefixMoreCarefully) {
 // 50 m to a side: a 90th is 0.5 m.
 TEST(Resolve, ACellIsNoLargerThanWhatAnObservationWithoutIdentityErrsBy) {
   Blob exact = SquareLog{.laps = 1, .side_m = 50.0, .ranged = true}.Make(), vague = exact;
+  const std::size_t seen = exact.Get<double>("robot/0/observations/range_m").size();
   for (const auto& [log, range_m] : {std::pair{&exact, 0.01}, std::pair{&vague, 3.0}}) {
+    log->PutVector("robot/0/observations/range_m", std::vector<double>(seen, 1.0));  // near by
     log->PutScalar<double>("noise/range_m", range_m);
     log->PutScalar<double>("noise/bearing_rad", 1e-4);
   }
@@ -90,6 +93,29 @@ TEST(Resolve, ACellIsNoLargerThanWhatAnObservationWithoutIdentityErrsBy) {
   exact.PutScalar<double>("noise/heading_drift_rad_per_m", 0.001);
   EXPECT_DOUBLE_EQ(Resolve({}, exact).map.grid.cell_m, 0.5) << "the search needs a coarse grid";
   EXPECT_DOUBLE_EQ(Resolve({}, SquareLog{.laps = 1, .side_m = 50.0}.Make()).map.grid.cell_m, 0.5);
+}
+
+// What a log without names states of an exact sensor is for the least squares and for single images; EM finds
+// the same map as where nothing is stated.
+TEST(Resolve, EmTakesNoSensorForMoreExactThanUsual) {
+  for (const bool identified : {false, true}) {
+    const Blob silent = SquareLog{.laps = 2, .side_m = 20.0, .ranged = true, .identified = identified}.Make();
+    Blob exact = silent;
+    exact.PutScalar<double>("noise/range_m", 0.005);
+    exact.PutScalar<double>("noise/bearing_rad", 0.001);
+    const Settings usual = Resolve({}, silent), stated = Resolve({}, exact);
+    EXPECT_EQ(stated.observation_noise.range_m, 0.005);
+    EXPECT_EQ(stated.observation_noise.bearing_rad, 0.001);
+    EXPECT_LT(stated.in_image_m, usual.in_image_m);
+    if (identified) {
+      EXPECT_LT(stated.map.observation_m, usual.map.observation_m) << "names tell which is which";
+    } else {
+      EXPECT_EQ(stated.map.observation_m, usual.map.observation_m);
+      EXPECT_EQ(stated.map.radius_m, usual.map.radius_m);
+      EXPECT_EQ(stated.map.grid.cell_m, usual.map.grid.cell_m);
+      EXPECT_EQ(usual.in_image_m, usual.map.observation_m);
+    }
+  }
 }
 
 TEST(Resolve, TheGaugeIsFreeWhereSeveralRobotsSeeAtADistance) {
