@@ -82,7 +82,7 @@ cp -r inputs/result inputs/five-workers
 runs() {
   local line
   [ -n "$(example "$@")" ] || die "cairn $*: no example"
-  known[$*]=run
+  known["cairn $*"]=run
   while IFS= read -r line; do
     rm -rf here
     cp -r inputs here
@@ -161,7 +161,7 @@ lines=$(example coordinator)
 (cd inputs && bash -c "$lines"$'\n''code=$?; kill $(jobs -p); exit $code') >stdout 2>stderr ||
   die "the example of cairn coordinator fails: $lines"
 says 'done|landmarks'
-known[coordinator]=run
+known["cairn coordinator"]=run
 [ "$ran" -ge 20 ] || die "only $ran examples were run"
 
 # What is left needs hosts, a cluster, a mount or a worker's number: it is read to its end, as far as the address of a service,
@@ -182,7 +182,7 @@ parsed=0
 for command in $commands; do
   for words in "$command" $(cairn "$command" --help | subcommands_in | sed "s/^/$command:/"); do
     read -ra words <<<"${words//:/ }"
-    [ -z "${known[${words[*]}]:-}" ] || continue
+    [ -z "${known["cairn ${words[*]}"]:-}" ] || continue
     lines=$(example "${words[@]}")
     [ -n "$lines" ] || die "cairn ${words[*]}: no example"
     reads "cairn ${words[*]}" "$lines"

@@ -155,6 +155,7 @@ void AddErrors(Command import, Invocation& call) {
            "the rows")
       .Required();
   command.AddFlag("--force", options->force, "Replace OUT.h5 where it is there already");
+  command.AddFlag("--json", options->json, "Say what was read as JSON");
   command.Add("OUT.h5", options->out, "The file to write").Required();
 }
 
