@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <ctime>
 #include <fstream>
 #include <functional>
 
@@ -172,6 +173,60 @@ TEST_F(AllowListTest, AChangeThatLeavesNoTraceInTheFilesDateIsSeen) {
     list.Refresh();
     ASSERT_EQ(list.Find(a_), nullptr) << i;
   }
+}
+
+TEST_F(AllowListTest, ReadsLimitsAmongTheRolesAndWritesThemTheSameWay) {
+  const std::string text = "until=2027-02-28,connections=4,requests=10,jobs=20,inputs-mb=5000,memory-mb=4000";
+  Write(a_ + " admin," + text + " ann\n" + b_ + " jobs=1,submitter\nend\n");
+  const Result<AllowedKeys> keys = ReadAllowList(path_);
+  ASSERT_TRUE(keys.ok()) << keys.status().message();
+  const Allowed& ann = keys.value().at(a_);
+  EXPECT_EQ(ann.name, "ann");
+  EXPECT_EQ(RoleText(ann.roles), "admin");
+  EXPECT_TRUE(ann.roles.submitter && ann.roles.viewer) << "an administrator is both";
+  constexpr std::int64_t kFirstOfMarch2027_s = 1803859200;
+  EXPECT_EQ(ann.limits, (KeyLimits{kFirstOfMarch2027_s, 4, 10, 20, 5000, 4000})) << "to the end of that day";
+  EXPECT_EQ(LimitText(ann.limits), text);
+  EXPECT_EQ(keys.value().at(b_).limits, KeyLimits{.jobs = 1});
+  EXPECT_EQ(UntilText(kFirstOfMarch2027_s - 1), "2027-02-28T23:59:59Z");
+  EXPECT_EQ(ParseLimits("until=2027-02-28T23:59:59Z").value().until_s, kFirstOfMarch2027_s - 1);
+  EXPECT_EQ(ParseLimits("").value(), KeyLimits{});
+}
+
+// A limit that is not understood must not be taken for none.
+TEST_F(AllowListTest, WhatIsNoLimitIsRefusedWithItsLine) {
+  for (const char* wrong : {"jobs=0", "jobs=", "jobs=-1", "jobs=3x", "jobs=1,jobs=2", "job=3",
+                            "until=2027-02-30", "until=tomorrow", "until=1969-01-01", "until=2027-1-1",
+                            "until=2027-01-01T25:00:00Z", "=3", "jobs=99999999999999999999"}) {
+    const std::string problem = Problem(a_ + " submitter," + wrong + " ann\nend\n");
+    EXPECT_NE(problem.find("allowed:1:"), std::string::npos) << wrong << ": " << problem;
+    EXPECT_NE(problem.find("is no limit"), std::string::npos) << wrong << ": " << problem;
+  }
+  EXPECT_NE(Problem(a_ + " jobs=3 ann\nend\n").find("are no roles"), std::string::npos);
+}
+
+TEST_F(AllowListTest, WhatAKeyDoesNotSayIsTheDefault) {
+  const KeyLimits limits = KeyLimits{.jobs = 3}.Or({.requests = 5, .jobs = 9});
+  EXPECT_EQ(limits, (KeyLimits{.requests = 5, .jobs = 3}));
+}
+
+// Without a change of the file, at the second that it says.
+TEST_F(AllowListTest, AKeyWhoseTimeComesIsNotFoundAnyMoreAndThatIsAChange) {
+  const std::int64_t soon_s = ::time(nullptr) + 2;
+  Write(a_ + " worker,until=2001-01-01\n" + b_ + " worker,until=" + UntilText(soon_s) + "\nend\n");
+  AllowList list(path_);
+  EXPECT_EQ(list.Find(a_), nullptr);
+  EXPECT_TRUE(list.IsOver(a_));
+  ASSERT_NE(list.Find(b_), nullptr);
+  ASSERT_EQ(list.Ending(60).size(), 1u) << "of one that is over nobody need be warned";
+  EXPECT_EQ(list.Ending(60)[0], std::pair(soon_s, b_));
+  EXPECT_TRUE(list.Ending(0).empty());
+  while (!list.Refresh()) ::usleep(10'000);
+  EXPECT_GE(::time(nullptr), soon_s);
+  EXPECT_EQ(list.Find(b_), nullptr);
+  EXPECT_TRUE(list.IsOver(b_));
+  list.Refresh();
+  EXPECT_FALSE(list.Refresh()) << "that is told once";
 }
 
 }  // namespace

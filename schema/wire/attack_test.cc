@@ -52,6 +52,26 @@ TEST_F(Attack, IdleConnectionsOfOneKeyLeaveRoomForAllOthers) {
   }
 }
 
+TEST_F(Attack, OfAKeyThatTheListGivesFewerConnectionsNoMoreAreTaken) {
+  options_.handshake_ms = kAttackPatience_ms;
+  std::ofstream(List()) << wicked_.public_key << " worker,connections=2\n"
+                        << honest_.public_key << " worker\nend\n";
+  Listen();
+  std::vector<zmq::socket_t> crowd;
+  for (int i = 0; i < 3; ++i) {
+    crowd.push_back(Wicked(wicked_, router_->endpoint()));
+    Send(crowd.back(), Hello("idle").envelope.SerializeAsString());
+    if (i < 2) {
+      ASSERT_TRUE(Until([&] { return taken_.size() == static_cast<std::size_t>(i) + 1; })) << i;
+    }
+  }
+  ASSERT_TRUE(UntilRefused(RefusalKind::kConnections));
+  EXPECT_NE(reasons_[RefusalKind::kConnections].find("has 2 connections"), std::string::npos)
+      << reasons_[RefusalKind::kConnections];
+  EXPECT_EQ(taken_.size(), 2u);
+  ExpectService();
+}
+
 TEST_F(Attack, WhoeverShakesHandsAndSaysNothingIsTurnedAway) {
   options_.handshake_ms = kAttackPatience_ms;
   options_.connections.connections = 64;

@@ -47,6 +47,24 @@ struct Places {
   std::size_t of_an_address;  // newcomers
 };
 
+// So many at once, then so many a second.
+class Bucket {
+ public:
+  Bucket(double per_s, double burst) : per_s_(per_s), burst_(burst), left_(burst) {}
+  bool Take(double now_s) {
+    left_ = std::min(burst_, left_ + (now_s - then_s_) * per_s_);
+    then_s_ = now_s;
+    if (left_ < 1) return false;
+    left_ -= 1;
+    return true;
+  }
+  bool Full(double now_s) const { return left_ + (now_s - then_s_) * per_s_ >= burst_; }
+
+ private:
+  double per_s_, burst_, left_;
+  double then_s_ = 0;
+};
+
 // On a job, and on what a worker says of itself and of its tasks.
 struct JobLimits {
   std::size_t job_bytes = 1 << 20;  // of a submission, without its blobs

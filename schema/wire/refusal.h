@@ -25,6 +25,7 @@ enum class RefusalKind {
   kBlob,      // an upload that nobody asked for
   kJob,       // a job that cannot be, or is over a limit
   kStore,     // a job that the store has no room for
+  kQuota,     // more than one key may have or ask
 };
 const char* KindName(RefusalKind kind);  // "key"
 

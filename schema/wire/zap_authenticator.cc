@@ -49,18 +49,10 @@ std::string Metadata(std::string_view name, std::string_view value) {
 }  // namespace
 
 const char* KindName(RefusalKind kind) {
-  constexpr std::array kNames = {"connections", "rate",    "handshake", "key",     "malformed",
-                                 "oversized",   "version", "build",     "revoked", "right",
-                                 "identity",    "task",    "blob",      "job",     "store"};
+  constexpr std::array kNames = {"connections", "rate",  "handshake", "key",   "malformed", "oversized",
+                                 "version",     "build", "revoked",   "right", "identity",  "task",
+                                 "blob",        "job",   "store",     "quota"};
   return kNames.at(static_cast<std::size_t>(kind));
-}
-
-bool Bucket::Take(double now_s) {
-  left_ = std::min(burst_, left_ + (now_s - then_s_) * per_s_);
-  then_s_ = now_s;
-  if (left_ < 1) return false;
-  left_ -= 1;
-  return true;
 }
 
 ZapAuthenticator::ZapAuthenticator(zmq::context_t& context, zmq::socket_t& router,
@@ -122,8 +114,9 @@ void ZapAuthenticator::AnswerZap() {
     if (!too_many.empty()) {
       Count(RefusalKind::kConnections, too_many);
     } else if (allowed == nullptr) {
-      const std::string why =
-          allow_list_->status().ok() ? "is not on the list" : allow_list_->status().message();
+      const std::string why = allow_list_->IsOver(key)     ? "its time is over"
+                              : allow_list_->status().ok() ? "is not on the list"
+                                                           : allow_list_->status().message();
       Count(RefusalKind::kKey, ShortKey(key) + " from " +
                                    request.at(std::min<std::size_t>(3, request.size() - 1)).to_string() +
                                    ": " + why);
@@ -255,7 +248,8 @@ void ZapAuthenticator::Leave(int fd) {
 std::string ZapAuthenticator::WhyNoPlace(const std::string& key, const Guest& guest) const {
   const Places places(MostConnections());
   const bool worker = guest.kind == Kind::kWorker;
-  const std::size_t of_key = worker ? places.of_a_workers_key : places.of_another_key;
+  const std::size_t of_such = worker ? places.of_a_workers_key : places.of_another_key;
+  const std::size_t of_key = guest.most == 0 ? of_such : std::min(of_such, guest.most);
   const std::size_t of_kind = worker                           ? places.workers
                               : guest.kind == Kind::kSubmitter ? places.submitters
                                                                : places.viewers;
@@ -280,9 +274,10 @@ std::string ZapAuthenticator::NoteHandshake(const std::string& key, const Allowe
   const bool worker = kind == Kind::kWorker;
   const Bucket handshakes(worker ? limits_.handshakes_per_s : limits_.handshakes_per_s / 2,
                           worker ? limits_.handshake_burst : limits_.handshake_burst / 4);
-  const auto [it, fresh] = guests_.try_emplace(key, Guest{kind, allowed.name, handshakes});
+  const auto [it, fresh] = guests_.try_emplace(key, Guest{kind, allowed.name, handshakes, 0, 0});
   Guest& guest = it->second;
   guest.name = allowed.name;
+  guest.most = allowed.limits.connections;
   if (guest.connections == 0) guest.kind = kind;  // else once those that are counted as what it was have gone
   if (const std::string why = WhyNoPlace(key, guest); !why.empty()) return why;
   if (guest.handshakes.Take(Now())) return "";

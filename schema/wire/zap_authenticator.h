@@ -26,18 +26,6 @@ namespace cairn::wire {
 // can say another.
 inline constexpr const char* kHandshakeProperty = "X-Cairn-Handshake";
 
-// So many at once, then so many a second.
-class Bucket {
- public:
-  Bucket(double per_s, double burst) : per_s_(per_s), burst_(burst), left_(burst) {}
-  bool Take(double now_s);
-  bool Full(double now_s) const { return left_ + (now_s - then_s_) * per_s_ >= burst_; }
-
- private:
-  double per_s_, burst_, left_;
-  double then_s_ = 0;
-};
-
 class ZapAuthenticator {
  public:
   // Before `router` is bound. `allow_list`: of a socket that has keys.
@@ -75,6 +63,7 @@ class ZapAuthenticator {
     std::string name;
     Bucket handshakes;
     std::size_t connections = 0;
+    std::size_t most = 0;  // of them, by the list; 0: as many as any such key
   };
   void Loop();
   void TakeEvents();
