@@ -27,6 +27,7 @@ struct Histogram {
 struct Tally {
   std::uint64_t tasks_done = 0;  // answers that were accepted
   std::uint64_t retries = 0;     // attempts that failed
+  std::uint64_t lost = 0;        // attempts that were lost with their machines
   std::uint64_t checkpoints = 0;
   std::uint64_t checkpoint_failures = 0;
   Histogram rounds;  // from a round's plan to the next

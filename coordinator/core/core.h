@@ -34,7 +34,7 @@ struct CoreOptions {
   double plan_hung_s = 3600;    // the same of START and ADVANCE, which do not tick while they reduce
   double straggler_factor = 3;  // an idle worker gets a copy of a task that runs this many medians …
   double straggler_min_s = 2;   // … and at least this long
-  int max_failures = 3;         // of one task, then the job fails
+  int max_failures = 3;         // of one task, then the job fails; what is lost with its machine is none
   double checkpoint_interval_s = 1;
   std::uint64_t checkpoint_rounds = 0;  // a checkpoint every so many rounds instead; 0: by the interval
   double save_again_s = 5;  // what could not be saved of a job that has ended is tried again after this long
@@ -147,6 +147,10 @@ class Core {
   void NoteLost(const Worker& worker);
   void TakeBackBlame(const wire::Hello& hello);
   bool Excuse(const Worker& worker);  // of its running task: see Round::Excuse
+  // Its machine has gone silent: its running task is counted as lost, not as failed. False where that was
+  // said of the task too often.
+  bool LoseWithNode(const Worker& worker);
+  Job* JobOfRunning(const Worker& worker);
 
   // dispatch.cc
   void Dispatch();

@@ -59,6 +59,7 @@ struct SubmitJob {
   proto::Job job;
   std::vector<Hash> blobs;  // that came with it
   std::string asker = {};
+  std::string owner = {};  // whose it is; of one that is told twice its first owner stays
 };
 // A command that the job's state does not allow (job_commands.h) changes nothing.
 struct PauseJob {

@@ -225,6 +225,7 @@ wire::JobInfo MakeInfo(const Job& job, double now_s) {
   wire::JobInfo info;
   info.set_id(job.id);
   info.set_name(job.spec.name());
+  info.set_owner(job.owner);
   info.set_state(StateName(job));
   info.set_reason(job.reason);
   info.set_stage(job.AllStagesDone() && job.stage > 0 ? job.stage - 1
@@ -243,7 +244,10 @@ wire::JobInfo MakeInfo(const Job& job, double now_s) {
   info.set_priority(job.spec.priority());
   info.set_seconds(job.Seconds(now_s));
   info.mutable_failures()->Assign(job.failures.begin(), job.failures.end());
-  for (const proto::StageFacts& facts : job.facts) info.set_retries(info.retries() + facts.retries());
+  for (const proto::StageFacts& facts : job.facts) {
+    info.set_retries(info.retries() + facts.retries());
+    info.set_lost(info.lost() + facts.lost());
+  }
   if (!job.step) return info;
   info.set_tasks(static_cast<std::uint32_t>(job.step->tasks_size()));
   info.set_tasks_done(job.tasks.kind() == wire::TaskKey::RUN ? job.tasks.done_count() : info.tasks());
@@ -265,6 +269,7 @@ proto::Checkpoint MakeCheckpoint(const Job& job, double now_s, bool with_partial
   proto::Checkpoint checkpoint;
   checkpoint.set_job_id(job.id);
   checkpoint.set_order(job.order);
+  checkpoint.set_owner(job.owner);
   *checkpoint.mutable_job() = job.spec;
   checkpoint.set_state(job.AllStagesDone() && job.Running() ? proto::JOB_DONE : job.state);
   checkpoint.set_reason(job.reason);

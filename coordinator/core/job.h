@@ -80,7 +80,8 @@ struct Job {
   std::string id;
   std::uint64_t order = 0;
   proto::Job spec;
-  Hash hash;  // of it: HashOfJob
+  Hash hash;          // of it: HashOfJob
+  std::string owner;  // who may command it, beside administrators; empty: they alone
   // How it stands.
   proto::JobState state = proto::JOB_RUNNING;
   std::string reason;

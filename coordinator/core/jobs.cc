@@ -31,6 +31,7 @@ void Core::On(const SubmitJob& event) {
   Job& job = jobs_[order];
   job.id = event.id;
   job.order = order;
+  job.owner = event.owner;
   job.SetSpec(event.job);
   job.running_since_s = job.round_since_s = now_s_;
   actions_.push_back(JobChanged{job.id});
@@ -101,6 +102,7 @@ void Core::On(const RestoreJob& event) {
   Job& job = jobs_[order];
   job.id = saved.job_id();
   job.order = order;
+  job.owner = saved.owner();
   job.SetSpec(saved.job());
   job.state = saved.state();
   job.reason = saved.reason();

@@ -61,11 +61,65 @@ TEST(CoreLost, OneThatWasSilentAndIsHeardOfAgainIsNotBlamed) {
   for (int i = 0; i < 5; ++i) {
     fixture.Pass(12);
     EXPECT_EQ(fixture.core.fleet().size(), 0u);
-    EXPECT_EQ(fixture.core.FindJob("a")->tasks.task(0).failures, 1);
     fixture.Join(Connection(0), 1, "1", 7);
     EXPECT_EQ(fixture.core.FindJob("a")->tasks.task(0).failures, 0);
   }
   EXPECT_EQ(fixture.Info().state(), "running");
+}
+
+// One machine after the other, each with the same task: none of them is the task's fault.
+TEST(CoreLost, ABadNightOfMachinesEndsNoJobAndIsCountedApart) {
+  CoreFixture fixture;
+  BeginLost(fixture);
+  for (int i = 1; i <= 15; ++i) {
+    fixture.assigned.clear();
+    fixture.Pass(12);
+    EXPECT_TRUE(fixture.core.fleet().workers().empty());
+    fixture.Join(Connection(i), 1, "1", 100 + static_cast<std::uint64_t>(i));
+    ASSERT_EQ(fixture.Next().assign.key().kind(), wire::TaskKey::RUN) << i;
+  }
+  EXPECT_EQ(fixture.Info().state(), "running") << fixture.Info().reason();
+  EXPECT_EQ(fixture.Info().lost(), 15u);
+  EXPECT_EQ(fixture.Info().retries(), 0u);
+  EXPECT_TRUE(fixture.Info().failures().empty());
+  EXPECT_EQ(fixture.core.tally().lost, 15u);
+  EXPECT_EQ(fixture.core.tally().retries, 0u);
+  int told = 0;
+  for (const std::string& line : fixture.said)
+    told += line.find("is lost with") != std::string::npos &&
+            line.find("no failure of the task") != std::string::npos;
+  EXPECT_EQ(told, 15);
+}
+
+// It may be that the task takes its machine along.
+TEST(CoreLost, ATaskThatIsLostWithEachMachineFailsItsJobInTheEnd) {
+  CoreFixture fixture;
+  BeginLost(fixture);
+  int machines = 1;
+  for (; machines < 40 && fixture.Info().state() == "running"; ++machines) {
+    fixture.Pass(12);
+    fixture.Join(Connection(machines), 1, "1", 100 + static_cast<std::uint64_t>(machines));
+  }
+  EXPECT_EQ(fixture.Info().state(), "failed");
+  EXPECT_EQ(machines, 24) << "20 that were lost, and 3 failures";
+  EXPECT_EQ(fixture.Info().lost(), 20u);
+  EXPECT_EQ(fixture.Info().retries(), 3u);
+}
+
+// What failed and what was lost do not add up.
+TEST(CoreLost, LossesInBetweenLeaveAPoisonedTaskItsThreeFailures) {
+  CoreFixture fixture;
+  BeginLost(fixture);
+  fixture.assigned.clear();
+  for (int i = 1; i <= 3; ++i) {
+    EXPECT_EQ(fixture.Info().state(), "running") << i;
+    fixture.Pass(12);
+    fixture.Join(Connection(i), 1, "1", 100 + static_cast<std::uint64_t>(i));
+    fixture.Fail(fixture.Next(), "trouble");
+    fixture.assigned.clear();
+  }
+  EXPECT_EQ(fixture.Info().state(), "failed");
+  EXPECT_EQ(fixture.Info().lost(), 3u);
 }
 
 // A switch that starts anew, a partition: all connections are gone, one a moment after the other.
@@ -81,7 +135,7 @@ TEST(CoreLost, ANetworkThatFailsForAMomentFailsNoJob) {
     for (int i = 0; i < 250 && silent; ++i) fixture.Advance(0.05);
     EXPECT_EQ(fixture.core.fleet().size(), 0u);
     EXPECT_EQ(fixture.Info().state(), "running") << fixture.Info().reason();
-    EXPECT_EQ(fixture.core.FindJob("a")->tasks.task(0).failures, 1);
+    EXPECT_EQ(fixture.core.FindJob("a")->tasks.task(0).failures, silent ? 0 : 1);
     for (std::uint64_t i = 0; i < 5; ++i) fixture.Join(Connection(static_cast<int>(10 + i)), 1, "1", 7 + i);
     EXPECT_EQ(fixture.core.FindJob("a")->tasks.task(0).failures, 0);
   }

@@ -61,14 +61,37 @@ void Core::FailAttempt(Job& job, std::uint32_t task, const std::string& whole_re
   Say(Report::kWarning, job, name + ": " + why + "; it is tried again");
 }
 
-void Core::NoteLost(const Worker& worker) {
-  if (worker.assigned.empty() || worker.hello.process() == 0) return;
+// Null where that is not under way any more.
+Job* Core::JobOfRunning(const Worker& worker) {
+  if (worker.assigned.empty()) return nullptr;
   const wire::TaskKey& key = worker.assigned.front().key;
-  const Job* job = JobOf(key);
-  if (job == nullptr) return;
+  Job* job = JobOf(key);
+  if (job == nullptr) return nullptr;
   const std::vector<Attempt>& live = job->tasks.task(key.task()).live_attempts;
-  if (std::ranges::any_of(live, [&key](const Attempt& attempt) { return attempt.number == key.attempt(); }))
-    lost_[worker.hello.process()] = {key, now_s_};
+  const bool is_live =
+      std::ranges::any_of(live, [&key](const Attempt& attempt) { return attempt.number == key.attempt(); });
+  return is_live ? job : nullptr;
+}
+
+void Core::NoteLost(const Worker& worker) {
+  if (worker.hello.process() != 0 && JobOfRunning(worker) != nullptr)
+    lost_[worker.hello.process()] = {worker.assigned.front().key, now_s_};
+}
+
+// A process that its task ends closes its connection, which is seen at once. Silence is a machine's, or a
+// network's, that is gone: many of those in one night say nothing of the task. One that takes its machine
+// along each time is found out all the same.
+bool Core::LoseWithNode(const Worker& worker) {
+  Job* job = JobOfRunning(worker);
+  if (job == nullptr) return true;
+  const std::uint32_t task = worker.assigned.front().key.task();
+  if (!job->tasks.Excuse(task)) return false;
+  job->facts.back().set_lost(job->facts.back().lost() + 1);
+  ++tally_.lost;
+  Say(Report::kInfo, *job,
+      job->TaskName(task) + " is lost with " + WorkerName(worker.hello) +
+          ", which counts as no failure of the task; it is tried again");
+  return true;
 }
 
 // A task that ends its worker's process never comes here: the next process is another.

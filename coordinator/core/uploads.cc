@@ -47,9 +47,18 @@ void Uploads::AnswerFailure(const std::string& peer, const Hash& hash, const Sta
   if (!peer.empty()) actions_.push_back(AnswerOffer{peer, hash, status.message(), false, unable});
 }
 
-void Uploads::Keep(const std::string& peer, const Hash& hash, double now_s) {
+std::uint64_t Uploads::BytesOf(const std::string& user) const {
+  std::uint64_t bytes = 0;
+  for (const auto& [id, upload] : uploads_) bytes += upload.user == user ? upload.bytes : 0;
+  for (const auto& [peer, kept] : kept_) bytes += kept.user == user ? kept.bytes : 0;
+  return bytes;
+}
+
+void Uploads::Keep(const std::string& peer, const std::string& user, const Hash& hash, std::uint64_t bytes,
+                   double now_s) {
   Kept& kept = kept_[peer];
-  kept.blobs.insert(hash);
+  kept.user = user;
+  if (kept.blobs.insert(hash).second) kept.bytes += bytes;
   kept.heard_s = now_s;
   Answer(peer, hash, "");
 }
@@ -65,7 +74,7 @@ Uploads::Actions Uploads::Offered(const std::string& peer, const std::string& us
   if (bytes == 0) {
     Answer(peer, hash, "an upload of no bytes");
   } else if (has_(hash)) {
-    Keep(peer, hash, now_s);
+    Keep(peer, user, hash, bytes, now_s);
   } else if (uploads_.size() >= options_.waiting) {
     AnswerFailure(
         peer, hash,
@@ -142,8 +151,9 @@ Uploads::Actions Uploads::Wrote(std::uint64_t id, std::uint64_t bytes, const Sta
 Uploads::Actions Uploads::Closed(std::uint64_t id, const Status& status, double now_s) {
   const auto it = uploads_.find(id);
   if (it == uploads_.end()) return {};
-  const std::string peer = it->second.peer;
-  const Hash hash = it->second.hash;
+  const Upload upload = it->second;
+  const std::string& peer = upload.peer;
+  const Hash& hash = upload.hash;
   by_peer_.erase(peer);
   uploads_.erase(it);
   if (!status.ok())
@@ -151,7 +161,7 @@ Uploads::Actions Uploads::Closed(std::uint64_t id, const Status& status, double 
   else if (peer.empty())
     actions_.push_back(ReleaseBlob{hash});
   else
-    Keep(peer, hash, now_s);
+    Keep(peer, upload.user, hash, upload.bytes, now_s);
   Settle(now_s);
   return TakeActions();
 }
@@ -197,7 +207,7 @@ void Uploads::Begin(double now_s) {
       continue;
     }
     by_peer_.erase(upload.peer);
-    Keep(upload.peer, upload.hash, now_s);
+    Keep(upload.peer, upload.user, upload.hash, upload.bytes, now_s);
     it = uploads_.erase(it);
   }
   for (std::size_t open = Open(); open < options_.places; ++open) {

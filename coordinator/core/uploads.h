@@ -96,8 +96,10 @@ class Uploads {
   // What this client has brought: from now on that is its job's.
   std::vector<Hash> Take(const std::string& peer);
   bool Keeps(const Hash& hash) const;  // for a client
-  std::set<Hash> Writing() const;      // blobs of which a file is being made
-  std::uint64_t held_bytes() const;    // never more than total_bytes
+  // Of this user's: on their way, waiting, or brought and not yet a job's.
+  std::uint64_t BytesOf(const std::string& user) const;
+  std::set<Hash> Writing() const;    // blobs of which a file is being made
+  std::uint64_t held_bytes() const;  // never more than total_bytes
   std::size_t size() const { return uploads_.size(); }
   std::size_t kept() const { return kept_.size(); }
 
@@ -118,6 +120,8 @@ class Uploads {
   struct Kept {
     std::set<Hash> blobs;
     double heard_s = 0;
+    std::string user = {};
+    std::uint64_t bytes = 0;
   };
   // Pieces of an upload that was given up, which its client could not know when it sent them.
   struct Late {
@@ -130,7 +134,8 @@ class Uploads {
   std::size_t Open() const;
   void Answer(const std::string& peer, const Hash& hash, const std::string& refusal, bool again = false);
   void AnswerFailure(const std::string& peer, const Hash& hash, const Status& status);
-  void Keep(const std::string& peer, const Hash& hash, double now_s);
+  void Keep(const std::string& peer, const std::string& user, const Hash& hash, std::uint64_t bytes,
+            double now_s);
   void GiveUp(Upload& upload);
   void Offend(const std::string& peer, const std::string& what);
   void Release(const std::string& peer);

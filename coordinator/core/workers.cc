@@ -232,8 +232,9 @@ void Core::On(const Tick&) {
     const std::string what = WorkerName(worker.hello) + " was not heard of for " +
                              std::to_string(static_cast<int>(now_s_ - worker.heard_s)) + " s";
     Say(Report::kWarning, what);
-    NoteLost(worker);
-    Lose(worker, what, what);
+    const bool excused = LoseWithNode(worker);
+    if (!excused) NoteLost(worker);
+    Lose(worker, what, excused ? "" : what);
   }
   if (!silent.empty()) fleet_.DoubtAll();
   for (const auto& [peer, why] : given_up) GiveUp(*fleet_.Find(peer), why);

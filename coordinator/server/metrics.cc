@@ -81,6 +81,8 @@ void AddWork(const Metrics& metrics, Page& page) {
            metrics.census.waiting_work_s);
   page.Add("counter", "cairn_tasks_done_total", "Tasks whose answer was accepted.", metrics.tally.tasks_done);
   page.Add("counter", "cairn_task_retries_total", "Attempts at tasks that failed.", metrics.tally.retries);
+  page.Add("counter", "cairn_task_losses_total", "Attempts at tasks that were lost with their machines.",
+           metrics.tally.lost);
   page.Add("cairn_round_duration_seconds", "How long rounds of jobs took.", metrics.tally.rounds);
 }
 
@@ -112,7 +114,7 @@ std::string MetricsText(const Metrics& metrics) {
   page.Add("counter", "cairn_sent_bytes_total", "Bytes of messages that went out.",
            metrics.traffic.bytes_out);
   ByLabel refused;
-  for (int kind = 0; kind <= static_cast<int>(wire::RefusalKind::kStore); ++kind)
+  for (int kind = 0; kind <= static_cast<int>(wire::RefusalKind::kQuota); ++kind)
     refused[wire::KindName(static_cast<wire::RefusalKind>(kind))];
   for (const auto& [kind, count] : metrics.refused) refused[kind] = count;
   page.Add("counter", "cairn_refusals_total", "Connections, messages and requests refused, by reason.",

@@ -88,6 +88,7 @@ void Checks::Before(const Core& core, const Event& event) {
   }
   retries_before_ = Retries(core);
   NoteLost(core, event);
+  NoteRunning(core, event);
   ready_before_.clear();
   for (const auto& [id, known] : jobs_)
     if (const Job* job = core.FindJob(id); job != nullptr && job->Running() && job->tasks.HasReady())
@@ -117,6 +118,7 @@ void Checks::After(const Core& core, const Event& event, const std::vector<Actio
   if (const auto* heartbeat = std::get_if<WorkerHeartbeat>(&event)) SeeHeartbeat(core, *heartbeat, now_s);
   SeeDraining(core, event, actions);
   SeeBack(core, event);
+  SeeSilent(core);
   SeeStandstill(core, std::holds_alternative<Tick>(event), now_s);
   SeeExcluded(core, actions);
   SeeTurns(core, actions);
@@ -185,6 +187,8 @@ void Checks::SeeState(const Job& job, const Event& event, Known& known) {
       const bool taken_back = Concerns<PersistFailed>(event, job.id);  // a retry: so it had failed before
       if (job.input_error && known.kind == ToyKind::kGood && !asked && !taken_back)
         Fail(job.id + " is blamed for its input, which is good: " + job.reason);
+      if (world_.faults.night && known.kind == ToyKind::kGood)
+        Fail(job.id + " failed, though only machines were lost: " + job.reason);
       if (job.reason.find(" times") != std::string::npos) world_.Count(kThirdFailure);
     }
     if (job.state == proto::JOB_DONE && known.durable_state != proto::JOB_DONE)

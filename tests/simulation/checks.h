@@ -122,6 +122,8 @@ class Checks {
   void NoteLost(const coordinator::Core& core, const coordinator::Event& event);
   const coordinator::TaskRecord* FindLost(const coordinator::Core& core, const Lost& lost) const;
   void SeeBack(const coordinator::Core& core, const coordinator::Event& event);
+  void NoteRunning(const coordinator::Core& core, const coordinator::Event& event);
+  void SeeSilent(const coordinator::Core& core);
   void SeeStandstill(const coordinator::Core& core, bool ticked, double now_s);
   void SeeDraining(const coordinator::Core& core, const coordinator::Event& event,
                    const std::vector<coordinator::Action>& actions);
@@ -138,6 +140,12 @@ class Checks {
   std::pair<std::string, std::uint64_t> broken_;  // a worker that gives this job a malformed answer
   std::uint64_t events_ = 0;
   std::optional<int> blamed_before_;  // failures of the task that who says Hello had lost
+  struct Running {
+    std::string peer;
+    wire::TaskKey key;
+    int failures = 0, excuses = 0;  // of its task
+  };
+  std::vector<Running> running_before_;  // what each worker runs; of a tick
   // Of the coordinator's process under way.
   std::uint64_t process_ = 0;
   std::set<std::string> draining_;       // workers that it knows to be about to leave

@@ -101,6 +101,7 @@ namespace cairn::simulation {
   X(kThirdFailure, "core: a job fails by a task's third failure")            \
   X(kAttemptAgain, "core: a task is dispatched again")                       \
   X(kBlameTakenBack, "core: takes back the blame for a lost connection")     \
+  X(kLostWithNode, "core: counts a task as lost with its machine")           \
   X(kStoodStill, "core: finds that it stood still, with workers there")      \
   X(kCopied, "core: a straggler is copied")                                  \
   X(kExcluded, "core: excludes a worker for a malformed answer")             \

@@ -63,6 +63,16 @@ void DrawJobs(Faults& f, Rng& rng) {
   f.task_s = rng.Uniform(0.01, 0.5);
 }
 
+// What is left of the others blames no task.
+void DrawNight(Faults& f, Rng& rng) {
+  f.night = true;
+  f.hang_per_s = f.stop_per_s = f.crash_at_message = f.task_crash = f.break_per_s = f.liars = 0;
+  f.coordinator_clock_jump_per_s = 0;
+  f.tell_deaths = false;
+  f.crash_per_s = rng.Uniform(0.1, 0.4);
+  f.late_joiners_per_s = 1;
+}
+
 }  // namespace
 
 Faults DrawFaults(std::uint64_t seed) {
@@ -90,6 +100,7 @@ Faults DrawFaults(std::uint64_t seed) {
   f.upload_stops = maybe(0.1);
   f.upload_cheats = maybe(0.5);
   f.break_per_s = maybe(0.1);
+  if (rng.Below(10) == 0) DrawNight(f, rng);
   return f;
 }
 

@@ -25,6 +25,7 @@ struct Faults {
   double liars = 0, lie = 0;    // fraction of workers that lie, and of their answers that are lies
   bool plausible_lies = false;  // theirs may be of the right shape too
   double break_per_s = 0;       // its connection breaks, and it comes back
+  bool night = false;           // one machine after the other is gone, and nothing else is wrong with workers
   bool tell_deaths = false;     // the shell sees a worker die before its lease is over
   // The coordinator's process and machine.
   double coordinator_crash_per_s = 0, coordinator_stop_per_s = 0, coordinator_clock_jump_per_s = 0;

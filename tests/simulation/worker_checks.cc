@@ -114,6 +114,29 @@ void Checks::SeeBack(const Core& core, const Event& event) {
   world_.Count(kBlameTakenBack);
 }
 
+void Checks::NoteRunning(const Core& core, const Event& event) {
+  running_before_.clear();
+  if (!std::holds_alternative<Tick>(event)) return;
+  for (const auto& [number, worker] : core.fleet().workers()) {
+    if (worker.assigned.empty()) continue;
+    const wire::TaskKey& key = worker.assigned.front().key;
+    if (const TaskRecord* task = FindLost(core, {key, now_s_}); task != nullptr)
+      running_before_.push_back({worker.peer, key, task->failures, task->excuses});
+  }
+}
+
+// Whoever goes silent may have gone with its machine: that is no failure of the task that it ran.
+void Checks::SeeSilent(const Core& core) {
+  const auto& workers = core.fleet().workers();
+  const bool hung = std::ranges::any_of(workers, [](const auto& entry) { return entry.second.hung; });
+  for (const Running& before : running_before_) {
+    const TaskRecord* task = FindLost(core, {before.key, now_s_});
+    if (core.fleet().Knows(before.peer) || task == nullptr || task->excuses >= kMostExcuses) continue;
+    if (task->failures != before.failures && !hung) Fail(before.peer + " was silent, and its task is blamed");
+    if (task->excuses > before.excuses) world_.Count(kLostWithNode);
+  }
+}
+
 // Nobody is taken for silent because nobody listened.
 void Checks::SeeStandstill(const Core& core, bool ticked, double now_s) {
   const double lease_s = world_.faults.core.lease_s;
