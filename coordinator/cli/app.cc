@@ -36,6 +36,7 @@ void AddCommands(Command app, Invocation& call) {
   AddScale(app, call);
   AddDrain(app, call);
   AddClean(app, call);
+  AddCheck(app, call);
   AddBackup(app, call);
   AddKeys(app, call);
 }

@@ -1,5 +1,9 @@
 #include "coordinator/server/access_control.h"
 
+#include <pwd.h>
+#include <unistd.h>
+
+#include <array>
 #include <utility>
 
 #include "schema/text.h"
@@ -30,7 +34,8 @@ std::string What(const wire::Envelope& envelope) {
 
 }  // namespace
 
-AccessControl::AccessControl(const std::filesystem::path& allow_list) {
+AccessControl::AccessControl(const std::filesystem::path& allow_list, const wire::KeyLimits& defaults)
+    : defaults_(defaults) {
   if (!allow_list.empty()) list_.emplace(allow_list);
 }
 
@@ -44,7 +49,11 @@ std::optional<wire::Refusal> AccessControl::Check(const std::string& peer, const
     return wire::Refusal{RefusalKind::kRight, "'" + What(envelope) + "' is no message for a coordinator"};
   if (list_) {
     const wire::Allowed* allowed = list_->Find(user);
-    if (allowed == nullptr) return wire::Refusal{RefusalKind::kRevoked, "this key was taken off the list"};
+    if (allowed == nullptr)
+      return wire::Refusal{RefusalKind::kRevoked,
+                           list_->IsOver(user) ? "this key's time is over: its owner needs a new one, or "
+                                                 "is allowed for longer (cairn keys allow --until)"
+                                               : "this key was taken off the list"};
     if (!Has(allowed->roles, *right))
       return wire::Refusal{RefusalKind::kRight,
                            What(envelope) + " is not for a " + wire::RoleText(allowed->roles)};
@@ -78,6 +87,42 @@ std::string AccessControl::Warning() const {
          list_->status().message();
 }
 
+std::string AccessControl::EndWarning() const {
+  constexpr std::int64_t kFortnight_s = 14 * 86'400;
+  constexpr std::size_t kMostNamed = 3;
+  const auto ending = list_ ? list_->Ending(kFortnight_s) : decltype(list_->Ending(0)){};
+  std::string text;
+  for (std::size_t i = 0; i < std::min(ending.size(), kMostNamed); ++i)
+    text += (i == 0 ? "the key of " : ", of ") + NameOf(ending[i].second) + " is good until " +
+            wire::UntilText(ending[i].first);
+  return ending.size() <= kMostNamed ? text
+                                     : text + ", and " + std::to_string(ending.size() - kMostNamed) + " more";
+}
+
+wire::KeyLimits AccessControl::LimitsOf(const std::string& user) const {
+  const wire::Allowed* allowed = list_ ? list_->Find(user) : nullptr;
+  if (allowed == nullptr) return {};
+  return allowed->roles.admin ? allowed->limits : allowed->limits.Or(defaults_);
+}
+
+// Pieces of an upload come at the pace that they are asked for, and what workers say is no request.
+std::string AccessControl::WhyTooOften(const std::string& user, const wire::Envelope& envelope,
+                                       double now_s) {
+  constexpr double kBurst_s = 10;
+  if (!list_ || envelope.has_piece() || RightNeeded(envelope) == Right::kWork) return "";
+  const std::uint64_t per_s = LimitsOf(user).requests;
+  if (per_s == 0) return "";
+  const auto rate_of = [&] {
+    const auto many = static_cast<double>(per_s);
+    return Rate{per_s, wire::Bucket(many, kBurst_s * many)};
+  };
+  const auto it = rates_.try_emplace(user, rate_of()).first;
+  if (it->second.per_s != per_s) it->second = rate_of();
+  if (it->second.bucket.Take(now_s)) return "";
+  return "the key of " + NameOf(user) + " asks more than " + std::to_string(per_s) +
+         " times a second (requests=" + std::to_string(per_s) + "); ask again, less often";
+}
+
 bool AccessControl::MayWork(const std::string& peer) const {
   const auto bound = workers_.find(peer);
   if (!list_ || bound == workers_.end()) return true;
@@ -89,6 +134,24 @@ std::optional<std::string> AccessControl::NameOnList(const std::string& user) co
   if (!list_ || user.empty()) return std::nullopt;
   const wire::Allowed* allowed = list_->Find(user);
   return allowed == nullptr ? "" : allowed->name;
+}
+
+// Without keys the socket lies in a folder of the user's own: nobody else comes through it.
+std::string AccessControl::OwnerOf(const std::string& user) const {
+  if (!list_) {
+    std::array<char, 4096> text{};
+    passwd entry{}, *found = nullptr;
+    const bool known = ::getpwuid_r(::geteuid(), &entry, text.data(), text.size(), &found) == 0 && found;
+    return Printable(known ? entry.pw_name : std::to_string(::geteuid()), kMostNameBytes);
+  }
+  const std::string name = Printable(NameOnList(user).value_or(""), kMostNameBytes);
+  return name.empty() ? user : name;
+}
+
+bool AccessControl::MayCommand(const std::string& user, const std::string& owner) const {
+  const wire::Allowed* allowed = list_ ? list_->Find(user) : nullptr;
+  if (!list_ || (allowed != nullptr && allowed->roles.admin)) return true;
+  return !owner.empty() && owner == OwnerOf(user);
 }
 
 std::string AccessControl::NameOf(const std::string& user) const {

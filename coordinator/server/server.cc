@@ -30,7 +30,7 @@ Server::Server(const StoreFolder& folder, Transport& transport, JobTable table, 
       blobs_(files_, options_.memory_bytes),
       use_(folder.dir(), options_.store_limit_bytes),
       uploads_(options_.uploads, [this](const Hash& hash) { return blobs_.Has(hash); }),
-      access_control_(options_.allow_list),
+      access_control_(options_.allow_list, options_.key_limits),
       refusals_(log_),
       last_job_number_(table.LastNumber()),
       writer_(folder, files_, use_, std::move(table), [&transport] { transport.Wake(); }) {
@@ -59,6 +59,8 @@ void Server::Restore() {
       if (const Hash blob = Hash::FromBinary(binary).value(); files_.Has(blob)) blobs_.AddDurable(blob);
     for (const Hash& blob : job.previous_blobs) blobs_.AddDurable(blob);
     Handle(job);
+    const Job* restored = core_.FindJob(job.checkpoint.job_id());
+    if (restored != nullptr && restored->Ended()) told_ended_.insert(restored->id);
   }
 }
 
@@ -107,6 +109,13 @@ bool Server::Shut(double patience_s) {
   return !core_.HasUnsaved();
 }
 
+bool Server::HasDrained() const {
+  const std::vector<wire::JobInfo> jobs = core_.Jobs();
+  return !core_.HasUnsaved() && std::ranges::none_of(jobs, [this](const wire::JobInfo& job) {
+    return core_.FindJob(job.id())->Running();
+  });
+}
+
 void Server::Submit(const std::string& id, const proto::Job& job, const std::vector<wire::NamedBlob>& blobs) {
   Handle(SubmitJob{id, job, KeepBlobs(blobs)});
 }
@@ -143,6 +152,8 @@ void Server::Receive(Incoming& incoming) {
     refusal->reason = wire::ShortKey(incoming.user) + ": " + refusal->reason;
     return TurnAway(incoming.peer, *refusal);
   }
+  if (const std::string often = access_control_.WhyTooOften(incoming.user, envelope, Now()); !often.empty())
+    return RefuseAsUnable(incoming.peer, wire::RefusalKind::kQuota, often);
   NoteWhoAsks(incoming.peer, incoming.user, envelope);
   Take(incoming.peer, incoming.user, envelope, incoming.message.blobs);
 }
@@ -178,7 +189,7 @@ void Server::Take(const std::string& peer, const std::string& user, wire::Envelo
     case wire::Envelope::kHave:
       return Serve(peer, envelope.have());
     case wire::Envelope::kSubmit:
-      return Serve(peer, envelope.submit());
+      return Serve(peer, user, envelope.submit());
     case wire::Envelope::kOffer:
       return Serve(peer, user, envelope.offer());
     case wire::Envelope::kPiece:
@@ -186,7 +197,7 @@ void Server::Take(const std::string& peer, const std::string& user, wire::Envelo
     case wire::Envelope::kClean:
       return Serve(peer, envelope.clean());
     case wire::Envelope::kQuery:
-      return Serve(peer, envelope.query());
+      return Serve(peer, user, envelope.query());
     case wire::Envelope::kWorkers:
       return Serve(peer, envelope.workers());
     default:
@@ -198,6 +209,18 @@ void Server::TakeDurable(const std::string& job, std::uint64_t number) {
   last_checkpoint_utc_s_ =
       std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
   Handle(PersistDone{job, number});
+  TellEnded(job);
+}
+
+void Server::TellEnded(const std::string& id) {
+  const Job* job = core_.FindJob(id);
+  if (job == nullptr || !job->Ended() || job->saving.under_way || job->saving.saves != job->state) return;
+  if (told_ended_.insert(id).second && options_.job_ended) options_.job_ended(*core_.Find(id));
+}
+
+void Server::TakeForgotten(const std::string& job) {
+  told_ended_.erase(job);
+  Handle(ForgetDone{job});
 }
 
 Status Server::ForUsers(const Status& status) const {
@@ -236,7 +259,7 @@ void Server::TakeDiskDone() {
     }
     const std::string& problem = done.status.message();
     if (done.number == 0 && done.status.ok())
-      Handle(ForgetDone{done.job});
+      TakeForgotten(done.job);
     else if (done.number == 0)
       Handle(ForgetFailed{done.job, problem});
     else if (done.status.ok())

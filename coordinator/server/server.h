@@ -29,10 +29,12 @@ struct ServerOptions {
   CoreOptions core;
   std::filesystem::path allow_list;  // of the keys that may connect; empty: there are no keys
   wire::JobLimits limits;
+  wire::KeyLimits key_limits;  // of keys that say nothing else
   UploadOptions uploads;
   std::uint64_t largest_input_bytes = wire::Limits().message_bytes;  // a worker gets it as one message
   std::uint64_t memory_bytes = 4ull << 30;
   std::uint64_t store_limit_bytes = 0;  // on disk; 0: none
+  bool drains = false;                  // takes no new jobs
   // The inputs of a private run, which whoever starts it has in files and brings along each time: the store
   // has no copies. None: jobs bring their inputs, and the store keeps them.
   std::optional<std::vector<wire::NamedBlob>> given_inputs;
@@ -40,6 +42,9 @@ struct ServerOptions {
   std::function<std::filesystem::path(const std::string& job, const std::string& stage)> result_path;
   // The files of a job's results that are there, of whatever stages; none: nobody knows.
   std::function<std::vector<std::filesystem::path>(const std::string& job)> result_files;
+  // Told of each job that has ended, once that is durable; of those that had ended before a start it is not.
+  // None: nobody asks.
+  std::function<void(const wire::JobInfo& job)> job_ended;
   // The folder of a job's results, which goes with the job; none: they are not this server's to remove.
   std::function<std::filesystem::path(const std::string& job)> results_folder;
 };
@@ -54,6 +59,9 @@ class Server {
   void Step(double timeout_s);
   // Saves what is unsaved, for at most `patience_s`, and sends the workers Leave. True where all is saved.
   bool Shut(double patience_s);
+
+  // No job runs or waits for workers, and all is saved: those that are left have ended, or are paused.
+  bool HasDrained() const;
 
   // A job from this process.
   void Submit(const std::string& id, const proto::Job& job, const std::vector<wire::NamedBlob>& blobs);
@@ -83,13 +91,15 @@ class Server {
   Status ForUsers(const Status& status) const;
   void TakeDiskDone();
   void TakeDurable(const std::string& job, std::uint64_t number);
+  void TellEnded(const std::string& job);
+  void TakeForgotten(const std::string& job);
 
   // server_actions.cc
   void Do(const coordinator::Send& send);
   void Do(const Persist& persist);
   void Do(const DropBlobs& drop);
   void Do(const ForgetJob& forget);
-  void Do(const JobChanged&) {}  // users ask how a job stands
+  void Do(const JobChanged& changed);
   void Do(const Answer& answer);
   void Do(const Report& report);
   void Do(const Refused& refused);
@@ -124,15 +134,22 @@ class Server {
   void EndRevoked();
   void NoteWhoAsks(const std::string& peer, const std::string& user, const wire::Envelope& asked);
   void SayWhoAsked(const Answer& answer);
+  std::string WhyNotHis(const std::string& user, const wire::JobQuery& query) const;
+
+  // server_quotas.cc
+  std::string WhyNoMoreJobs(const std::string& user) const;
+  std::string WhyNoMoreInputs(const std::string& user, std::set<Hash> more, std::uint64_t more_bytes) const;
+  std::string LimitMemory(const std::string& user, proto::Job& job) const;
 
   // server_requests.cc
   void Serve(const std::string& peer, const wire::Fetch& fetch);
   void Serve(const std::string& peer, const wire::Have& have);
-  void Serve(const std::string& peer, const wire::Submit& submit);
-  void Serve(const std::string& peer, const wire::JobQuery& query);
+  void Serve(const std::string& peer, const std::string& user, const wire::Submit& submit);
+  void Serve(const std::string& peer, const std::string& user, const wire::JobQuery& query);
   void Serve(const std::string& peer, const wire::Clean& clean);
   void Serve(const std::string& peer, const wire::WorkerQuery& query);
   void RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why);
+  void RefuseAsUnable(const std::string& peer, wire::RefusalKind kind, const std::string& why);
   void AddResults(const std::string& id, wire::Message& reply);
   bool MayAskWriter(const std::string& peer);
   void AnswerLog(const std::string& peer, const wire::JobQuery& query);
@@ -165,6 +182,7 @@ class Server {
   Refusals refusals_;
   std::map<std::string, std::string> asked_by_;  // "cancelled by desk (Yx8…)", by peer, until it is answered
   std::set<std::string> questions_;              // peers whose question is with the writer
+  std::set<std::string> told_ended_;             // jobs of which job_ended was told
   std::set<std::string> warned_;                 // peers that were told once that they have no business here
   std::uint64_t last_job_number_;                // that was ever given
   WaitingLines waiting_lines_;                   // of jobs' logs

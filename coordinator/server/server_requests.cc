@@ -99,14 +99,15 @@ void Server::Serve(const std::string& peer, const wire::Have& have) {
   Reply(peer, std::move(reply));
 }
 
-void Server::Serve(const std::string& peer, const wire::Submit& submit) {
-  const proto::Job& job = submit.job();
+void Server::Serve(const std::string& peer, const std::string& user, const wire::Submit& submit) {
+  proto::Job job = submit.job();
   if (submit.protocol() != wire::kProtocol)
     return RefuseJob(peer, wire::RefusalKind::kVersion,
                      "this client speaks protocol " + std::to_string(submit.protocol()) + ", here it is " +
                          std::to_string(wire::kProtocol) + " of version " CAIRN_VERSION);
   std::string wrong = CheckLimits(job, options_.limits);
   if (wrong.empty()) wrong = CheckJob(job);
+  if (wrong.empty()) wrong = LimitMemory(user, job);
   if (!wrong.empty()) return RefuseJob(peer, wire::RefusalKind::kJob, wrong);
   const Hash hash = HashOfJob(job);
   for (const wire::JobInfo& info : core_.Jobs()) {
@@ -117,8 +118,16 @@ void Server::Serve(const std::string& peer, const wire::Submit& submit) {
     if (!serves || known->hash != hash) continue;
     return Handle(SubmitJob{info.id(), job, uploads_.Take(peer), peer});  // told twice
   }
+  if (options_.drains)
+    return RefuseAsUnable(
+        peer, wire::RefusalKind::kJob,
+        "this service takes no new jobs: it finishes those that it has, and ends (--drain)");
   if (const std::string full = use_.WhyNoRoom(0); !full.empty())
-    return RefuseJob(peer, wire::RefusalKind::kStore, full);
+    return RefuseAsUnable(peer, wire::RefusalKind::kStore, full);
+  std::set<Hash> inputs;
+  for (const auto& [name, binary] : job.input_blobs()) inputs.insert(Hash::FromBinary(binary).value());
+  for (const std::string& over : {WhyNoMoreJobs(user), WhyNoMoreInputs(user, std::move(inputs), 0)})
+    if (!over.empty()) return RefuseAsUnable(peer, wire::RefusalKind::kQuota, over);
   wire::Message missing;
   for (const auto& [name, binary] : job.input_blobs()) {
     if (blobs_.Has(Hash::FromBinary(binary).value())) continue;
@@ -126,13 +135,19 @@ void Server::Serve(const std::string& peer, const wire::Submit& submit) {
     missing.envelope.mutable_reply()->add_missing(binary);
   }
   if (missing.envelope.has_reply()) return Reply(peer, std::move(missing));
-  Handle(SubmitJob{NewJobId(job), job, uploads_.Take(peer), peer});
+  Handle(SubmitJob{NewJobId(job), job, uploads_.Take(peer), peer, access_control_.OwnerOf(user)});
 }
 
 void Server::RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why) {
   refusals_.Add({kind, why}, Now());
+  Reply(peer, Refusal(why));
+}
+
+// It is right, and may be asked again later, or elsewhere.
+void Server::RefuseAsUnable(const std::string& peer, wire::RefusalKind kind, const std::string& why) {
+  refusals_.Add({kind, why}, Now());
   wire::Message reply = Refusal(why);
-  reply.envelope.mutable_reply()->set_unable(kind == wire::RefusalKind::kStore);
+  reply.envelope.mutable_reply()->set_unable(true);
   Reply(peer, std::move(reply));
 }
 
@@ -162,9 +177,14 @@ std::string Server::WhatIsWrong(const wire::JobQuery& query) const {
   return why.empty() ? "" : "cannot " + verb + " " + job->id + ": " + why;
 }
 
-void Server::Serve(const std::string& peer, const wire::JobQuery& query) {
+void Server::Serve(const std::string& peer, const std::string& user, const wire::JobQuery& query) {
+  if (const std::string his = WhyNotHis(user, query); !his.empty())
+    return RefuseJob(peer, wire::RefusalKind::kRight, his);
   if (const std::string wrong = WhatIsWrong(query); !wrong.empty()) return Reply(peer, Refusal(wrong));
-  if (const auto command = CommandOf(query.action())) return Obey(peer, query, *command);
+  const auto command = CommandOf(query.action());
+  if (const std::string over = command == JobCommand::kRetry ? WhyNoMoreJobs(user) : ""; !over.empty())
+    return RefuseAsUnable(peer, wire::RefusalKind::kQuota, over);
+  if (command) return Obey(peer, query, *command);
   if (query.action() == "logs") return AnswerLog(peer, query);
   // Asked again while the answer is on its way, or by who does not read: what is read from the disk here
   // stays in memory until it is out.
@@ -175,6 +195,8 @@ void Server::Serve(const std::string& peer, const wire::JobQuery& query) {
     for (const wire::JobInfo& info : core_.Jobs()) *reply.envelope.mutable_reply()->add_jobs() = info;
   else
     *reply.envelope.mutable_reply()->add_jobs() = *core_.Find(query.job());
+  for (wire::JobInfo& info : *reply.envelope.mutable_reply()->mutable_jobs())
+    info.set_foreign(!access_control_.MayCommand(user, info.owner()));
   for (const auto& [kind, count] : refusals_.Counts())
     (*reply.envelope.mutable_reply()->mutable_refused())[kind] = count;
   reply.envelope.mutable_reply()->set_warning(Warning());

@@ -7,6 +7,7 @@
 #include "coordinator/server/rights.h"
 #include "coordinator/server/server.h"
 #include "schema/wire/codec.h"
+#include "schema/wire/keys.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -78,19 +79,31 @@ void Server::EndRevoked() {
   if (const std::string warning = access_control_.Warning(); !warning.empty())
     log_(Severity::kError, warning);
   else
-    log_(Severity::kInfo, "the list of keys has changed, and holds from now on");
+    log_(Severity::kInfo, "the list of keys has changed, or a key's time is over: it holds from now on");
   std::vector<std::string> revoked;
   for (const auto& [number, worker] : core_.fleet().workers())
     if (!access_control_.MayWork(worker.peer)) revoked.push_back(worker.peer);
   for (const std::string& peer : revoked) {
     Handle(WorkerLeave{peer});
-    TurnAway(peer, {wire::RefusalKind::kRevoked, "a worker's key was taken off the list"});
+    TurnAway(peer,
+             {wire::RefusalKind::kRevoked, "a worker's key was taken off the list, or its time is over"});
   }
 }
 
 void Server::NoteWhoAsks(const std::string& peer, const std::string& user, const wire::Envelope& asked) {
   if (const std::string who = access_control_.NameOf(user); !who.empty() && !DoneBy(asked).empty())
     asked_by_[peer] = DoneBy(asked) + " by " + who;
+}
+
+// Empty: the job is his who asks, or he administers, or nothing of it is changed.
+std::string Server::WhyNotHis(const std::string& user, const wire::JobQuery& query) const {
+  const Job* job = CommandOf(query.action()) ? core_.FindJob(query.job()) : nullptr;
+  if (job == nullptr || access_control_.MayCommand(user, job->owner)) return "";
+  const std::string owner =
+      wire::IsPublicKey(job->owner) ? "the key " + wire::ShortKey(job->owner) : job->owner;
+  return "cannot " + query.action() + " " + job->id + ": it " +
+         (owner.empty() ? "has no owner" : "belongs to " + owner) + ", and the key of " +
+         access_control_.NameOf(user) + " is no administrator's (role admin)";
 }
 
 // In the job's log, but where that is gone with it.

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "coordinator/server/testing/hub_fixture.h"
+#include "coordinator/server/testing/rights_fixture.h"
 #include "schema/wire/keys.h"
 
 namespace cairn::coordinator {
@@ -12,65 +12,7 @@ namespace {
 
 using wire::RefusalKind;
 
-class Rights : public ::testing::Test {
- protected:
-  Rights() {
-    Allow(worker_ + " worker\n" + other_ + " worker\n" + submitter_ + " submitter\n" + viewer_ + " viewer\n");
-    fixture_.allow_list = fixture_.temp.path() / "allowed";
-    fixture_.Start();
-  }
-  void Allow(const std::string& lines) {
-    const std::filesystem::path list = fixture_.temp.path() / "allowed";
-    std::ofstream(list.string() + ".new") << lines << "end\n";
-    std::filesystem::rename(list.string() + ".new", list);
-  }
-  // The answer that `user` gets.
-  wire::Envelope Ask(const std::string& user, wire::Message question) {
-    const std::string peer = "peer of " + user;
-    fixture_.transport.Come(peer, std::move(question), user);
-    wire::Envelope answer;
-    fixture_.Until([&] {
-      for (auto it = fixture_.transport.sent.begin(); it != fixture_.transport.sent.end(); ++it) {
-        if (it->first != peer) continue;
-        answer = it->second.envelope;
-        fixture_.transport.sent.erase(it);
-        return true;
-      }
-      return false;
-    });
-    return answer;
-  }
-  void ExpectRefused(const std::string& user, const wire::Message& question, RefusalKind kind) {
-    const std::uint64_t before = Count(kind);
-    const wire::Envelope answer = Ask(user, question);
-    EXPECT_TRUE(answer.has_refuse()) << wire::KindName(question.envelope) << ": "
-                                     << answer.ShortDebugString();
-    EXPECT_EQ(Count(kind), before + 1) << wire::KindName(question.envelope);
-    EXPECT_EQ(answer.refuse().reason().find(user), std::string::npos) << "the whole key is shown";
-  }
-  std::uint64_t Count(RefusalKind kind) const { return fixture_.server->refusals().count(kind); }
-  void Join(const std::string& peer, const std::string& user, std::uint64_t process) {
-    fixture_.transport.users[peer] = user;
-    fixture_.transport.ComeWorker(peer, user, 1, process);  // in a container each has the same process id
-  }
-  bool Connected(const std::string& peer) const { return fixture_.server->core().fleet().Knows(peer); }
-  wire::Message Query(const std::string& action, const std::string& job = "a") {
-    wire::Message message;
-    message.envelope.mutable_query()->set_job(job);
-    message.envelope.mutable_query()->set_action(action);
-    return message;
-  }
-  void Bring() {
-    EXPECT_TRUE(fixture_.Upload(TextBlob("the log"), "peer of " + submitter_, submitter_).ok());
-  }
-  wire::Message Submission() { return fixture_.Submission(fixture_.MakeJob(), false); }
-
-  const std::string worker_ = wire::GenerateKeyPair().public_key, other_ = wire::GenerateKeyPair().public_key,
-                    submitter_ = wire::GenerateKeyPair().public_key,
-                    viewer_ = wire::GenerateKeyPair().public_key,
-                    stranger_ = wire::GenerateKeyPair().public_key;
-  ServerFixture fixture_;
-};
+class Rights : public RightsFixture {};
 
 // Every kind of message, so that a new one is refused to all until the table knows it.
 TEST_F(Rights, TheTableCoversEveryKindOfMessage) {
@@ -110,6 +52,7 @@ TEST_F(Rights, EachRoleMayDoItsOwnAndNothingElse) {
   }
   ExpectRefused(worker_, Query("status"), RefusalKind::kRight);
   EXPECT_EQ(fixture_.State(), "queued");
+  Allow(submitter_ + " admin\n");
   EXPECT_EQ(Ask(submitter_, Query("cancel")).reply().jobs(0).state(), "cancelled");
 }
 
@@ -342,7 +285,7 @@ TEST_F(Rights, AWorkerIsCalledAsItsKeyIs) {
 
 // Of each change who asked for it, where a job's owner looks; of a job that is gone, in the service's log.
 TEST_F(Rights, WhoAskedForAChangeIsInTheLog) {
-  Allow(submitter_ + " submitter desk\n" + viewer_ + " submitter\n");
+  Allow(submitter_ + " admin desk\n" + viewer_ + " admin\n");
   fixture_.Submit();
   EXPECT_TRUE(Ask(submitter_, Query("pause")).reply().ok());
   EXPECT_TRUE(Ask(viewer_, Query("cancel")).reply().ok());

@@ -109,5 +109,81 @@ TEST(Retention, AJobThatEndedLongAgoGoesWithItsResultsOverRestarts) {
   EXPECT_EQ(fixture.State(), "") << "it does not come back";
 }
 
+// The disk's folder of a job is lost, with its number in the table: what it found is there.
+TEST(CheckStore, ResultsOfWhichNothingElseIsLeftAreNamedAndTakenBack) {
+  ServerFixture fixture;
+  fixture.transport.ComeWorker("w");
+  for (const char* job : {"3-museum", "4-hall"}) {
+    fixture.Submit(job, 2);
+    fixture.Until([&] { return fixture.State(job) == "done"; });
+  }
+  const auto results = fixture.temp.path() / "results";
+  const auto before = fixture.server->core().FindJob("3-museum")->results;
+  fixture.server.reset();
+  for (const char* job : {"3-museum", "4-hall"})
+    std::filesystem::remove_all(fixture.folder->Checkpoints() / job);
+  std::filesystem::remove(results / "4-hall" / "stage1.h5");
+  std::filesystem::create_directory(results / "mine");
+  for (const bool adopt : {false, true}) {
+    const StoreFindings found = CheckStore(*fixture.folder, results, adopt);
+    EXPECT_EQ(found.jobs, 0u);
+    EXPECT_TRUE(found.damaged.empty()) << found.damaged[0];
+    EXPECT_EQ(found.orphaned, std::vector<std::string>{"3-museum"});
+    EXPECT_EQ(found.unclaimed, (std::vector<std::string>{"4-hall", "mine"}))
+        << "a part is no job that is done";
+    EXPECT_EQ(std::filesystem::exists(fixture.folder->Checkpoints() / "3-museum"), adopt);
+  }
+  EXPECT_EQ(CheckStore(*fixture.folder, results, false).jobs, 1u);
+  fixture.Start();
+  EXPECT_EQ(fixture.State("3-museum"), "done");
+  EXPECT_EQ(fixture.server->core().FindJob("3-museum")->results, before);
+  EXPECT_EQ(fixture.server->core().Find("3-museum")->owner(), "");
+  EXPECT_EQ(fixture.server->core().Jobs().size(), 1u);
+}
+
+TEST(CheckStore, NamesWhatIsDamagedAndTouchesNothing) {
+  ServerFixture fixture;
+  fixture.transport.ComeWorker("w");
+  fixture.Submit("3-museum");
+  fixture.Until([&] { return fixture.State("3-museum") == "done"; });
+  fixture.server.reset();
+  const auto results = fixture.temp.path() / "results";
+  EXPECT_TRUE(CheckStore(*fixture.folder, results, true).damaged.empty());
+  std::ofstream(results / "3-museum" / "stage0.h5") << "damaged";
+  ASSERT_EQ(CheckStore(*fixture.folder, results, true).damaged.size(), 1u);
+  const auto checkpoint =
+      fixture.folder->CheckpointFile("3-museum", fixture.folder->CheckpointNumbers("3-museum").back());
+  std::ofstream(checkpoint) << "damaged";
+  const StoreFindings found = CheckStore(*fixture.folder, results, true);
+  ASSERT_EQ(found.damaged.size(), 1u);
+  EXPECT_NE(found.damaged[0].find("job 3-museum: "), std::string::npos) << found.damaged[0];
+  EXPECT_TRUE(std::filesystem::exists(checkpoint)) << "whatever a start would do with it";
+}
+
+// Beside the coordinator of a new build, whose store is another.
+TEST(Draining, TakesNoNewJobsAndIsOverOnceThoseThatItHasAreDone) {
+  ServerFixture fixture;
+  const wire::Message submission = fixture.Submission(fixture.MakeJob());
+  const std::string job = fixture.Ask(submission).jobs(0).id();
+  fixture.Submit("held");
+  fixture.drains = true;
+  fixture.Start();
+  wire::Message pause;
+  pause.envelope.mutable_query()->set_job("held");
+  pause.envelope.mutable_query()->set_action("pause");
+  ASSERT_TRUE(fixture.Ask(pause).ok());
+  proto::Job other = fixture.MakeJob();
+  other.set_seed(7);
+  const wire::Reply refused = fixture.Ask(fixture.Submission(other, false));
+  EXPECT_NE(refused.message().find("takes no new jobs"), std::string::npos) << refused.message();
+  EXPECT_TRUE(refused.unable()) << "elsewhere it is right";
+  EXPECT_TRUE(fixture.Ask(submission).known()) << "what it has it does";
+  EXPECT_FALSE(fixture.server->HasDrained());
+  fixture.transport.ComeWorker("w");
+  fixture.Until([&] { return fixture.server->HasDrained(); });
+  EXPECT_EQ(fixture.State(job), "done");
+  EXPECT_EQ(fixture.State("held"), "paused");
+}
+
 }  // namespace
 }  // namespace cairn::coordinator

@@ -306,5 +306,42 @@ TEST(Server, ShutSavesWhatIsUnsavedAndSendsLeave) {
   EXPECT_EQ(fixture.server->core().FindJob("a")->round, 2u);
 }
 
+// What comes of it must not be done for a job that is as it was before after a crash.
+TEST(JobEnded, IsToldOnceOfEachEndOnceThatIsDurable) {
+  ServerFixture fixture;
+  std::vector<std::string> told;
+  fixture.job_ended = [&](const wire::JobInfo& job) {
+    told.push_back(job.id() + " " + job.state());
+    EXPECT_EQ(ReadCheckpoint(fixture.folder->CheckpointFile(
+                                 job.id(), fixture.folder->CheckpointNumbers(job.id()).back()))
+                  .value()
+                  .state(),
+              fixture.server->core().FindJob(job.id())->state);
+  };
+  fixture.Start();
+  fixture.transport.ComeWorker("w");
+  fixture.Submit("a");
+  fixture.Until([&] { return fixture.State("a") == "done"; });
+  fixture.transport.swallow = [&](const wire::Assign& assign) {
+    wire::Message failed;
+    *failed.envelope.mutable_failed()->mutable_key() = assign.key();
+    failed.envelope.mutable_failed()->set_input_error(true);
+    fixture.transport.Come("w", failed);
+    return true;
+  };
+  fixture.Submit("b");
+  fixture.Until([&] { return told.size() == 2; });
+  fixture.server->GoOn("b");
+  fixture.Until([&] { return told.size() == 3; });
+  EXPECT_EQ(told, (std::vector<std::string>{"a done", "b failed", "b failed"}));
+  fixture.Start();
+  wire::Message priority;
+  priority.envelope.mutable_query()->set_job("b");
+  priority.envelope.mutable_query()->set_action("priority");
+  priority.envelope.mutable_query()->set_priority(3);
+  EXPECT_TRUE(fixture.Ask(priority).ok());
+  EXPECT_EQ(told.size(), 3u) << "what had ended before, and is only saved again";
+}
+
 }  // namespace
 }  // namespace cairn::coordinator

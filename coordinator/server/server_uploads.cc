@@ -14,7 +14,9 @@ void Server::Serve(const std::string& peer, const std::string& user, const wire:
         peer, wire::RefusalKind::kOversized,
         "an input of " + BytesText(offer.bytes()) + "; at most " + BytesText(most) + " are taken");
   if (const std::string full = use_.WhyNoRoom(offer.bytes()); !full.empty() && !blobs_.Has(hash.value()))
-    return RefuseJob(peer, wire::RefusalKind::kStore, full);
+    return RefuseAsUnable(peer, wire::RefusalKind::kStore, full);
+  if (const std::string over = WhyNoMoreInputs(user, {}, offer.bytes()); !over.empty())
+    return RefuseAsUnable(peer, wire::RefusalKind::kQuota, over);
   Carry(uploads_.Offered(peer, user, hash.value(), offer.bytes(), Now()));
 }
 

@@ -28,7 +28,9 @@ void Server::TakeProbe(const Status& status) {
 }
 
 std::string Server::Warning() const {
-  const std::string keys = access_control_.Warning();
+  std::string keys = access_control_.Warning();
+  if (const std::string ending = access_control_.EndWarning(); !ending.empty())
+    keys += (keys.empty() ? "" : "; ") + ending;
   if (store_trouble_.empty()) return keys;
   return "the store cannot be written: " + store_trouble_ + (keys.empty() ? "" : "; " + keys);
 }

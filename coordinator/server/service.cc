@@ -52,11 +52,12 @@ std::vector<std::filesystem::path> ResultFilesIn(const std::filesystem::path& fo
   return files;
 }
 
-void Turn(Server& server, MetricsPort* metrics, const std::atomic<bool>& stop) {
+void Turn(Server& server, const StoreFolder& folder, MetricsPort* metrics, bool drain,
+          const std::atomic<bool>& stop) {
   ServiceManager manager;
   manager.Ready();
   auto publish_at = std::chrono::steady_clock::now();
-  while (!stop) {
+  while (!stop && folder.TakenOver().empty() && !(drain && server.HasDrained())) {
     server.Step(kStep_s);
     manager.Alive();
     if (metrics == nullptr || std::chrono::steady_clock::now() < publish_at) continue;
@@ -71,7 +72,7 @@ void Turn(Server& server, MetricsPort* metrics, const std::atomic<bool>& stop) {
 Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomic<bool>& stop) {
   const Result<std::optional<wire::ServerSecurity>> security = ReadSecurity(options.keys_dir);
   if (!security.ok()) return security.status();
-  const Result<StoreFolder> folder = StoreFolder::Open(options.store_dir);
+  Result<StoreFolder> folder = StoreFolder::OpenToServe(options.store_dir, options.take_over);
   if (!folder.ok()) return folder.status();
   RaiseFileLimit();
   const Result<AddressLock> address =
@@ -99,6 +100,9 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   server_options.store_limit_bytes = options.store_limit_bytes;
   server_options.core.task_time_s = options.task_time_s;
   server_options.core.task_memory_mb = options.task_memory_mb;
+  server_options.drains = options.drain;
+  server_options.job_ended = options.job_ended;
+  server_options.key_limits = options.key_limits;
   server_options.memory_bytes = options.memory_bytes;
   server_options.largest_input_bytes = options.sockets.limits.message_bytes;
   if (!options.keys_dir.empty()) server_options.allow_list = AllowListIn(options.keys_dir);
@@ -121,8 +125,13 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
     return {Code::kIo, error.what()};
   }
   log(Severity::kInfo, "listening on " + options.listen + ", store " + options.store_dir);
-  Turn(*server, metrics.get(), stop);
+  Turn(*server, folder.value(), metrics.get(), options.drain, stop);
+  if (const std::string lost = folder.value().TakenOver(); !lost.empty())
+    return {Code::kBusy, options.store_dir + ": " + lost};
+  if (!stop) log(Severity::kInfo, "no job runs any more: the service ends (--drain)");
   if (!server->Shut(kPatience_s)) log(Severity::kWarning, "ended before the last rounds were saved");
+  server.reset();  // what it had to write is written
+  folder.value().GiveBack();
   return Status::Ok();
 }
 

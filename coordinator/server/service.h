@@ -1,6 +1,7 @@
 // A coordinator for many machines: `cairn coordinator --store DIR --listen ENDPOINT`.
 //
 // Store:  DIR/lock                        flock'ed while a coordinator serves
+//         DIR/holder                      which coordinator that is, for other machines (store/holder.h)
 //         DIR/version                     of the store, a number
 //         DIR/served                      for how long it was served, in all (store/served_file.h)
 //         DIR/jobs.sqlite                 jobs' logs and the highest number of one (WAL); begun anew where it
@@ -12,10 +13,13 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "coordinator/store/log.h"
 #include "schema/error.h"
+#include "schema/wire.pb.h"
+#include "schema/wire/allow_list.h"
 #include "schema/wire/socket.h"
 
 namespace cairn::coordinator {
@@ -25,6 +29,7 @@ struct ServiceOptions {
   std::string listen;     // ipc://PATH (its folder must be 0700), or tcp://HOST:PORT with keys only
   std::string keys_dir;   // for tcp: coordinator.key (`cairn keys new`) and allowed, who may do what
   wire::SocketOptions sockets;
+  wire::KeyLimits key_limits;           // of keys of which the list says nothing else, but administrators'
   std::uint64_t checkpoint_rounds = 0;  // one every so many rounds instead; 0: by the interval
   double checkpoint_interval_s = 1;  // at most one checkpoint of a job in this time, and one at a stage's end
   std::uint64_t store_limit_bytes = 0;      // that the store may take on disk; 0: no limit
@@ -32,12 +37,17 @@ struct ServiceOptions {
   double task_time_s = 0;                   // of a task whose job says nothing; 0: no limit
   std::uint64_t task_memory_mb = 0;         // the same
   std::uint64_t memory_bytes = 4ull << 30;  // blobs beyond this are kept on disk only
-  std::string metrics;                      // where (metrics_port.h) it shows its metrics; empty: nowhere
+  bool take_over = false;  // the store, also where another machine's coordinator did not give it back
+  bool drain = false;      // takes no new jobs, and ends once none runs
+  std::function<void(const wire::JobInfo& job)> job_ended;  // of Server; it must not wait for anything
+  std::string metrics;  // where (metrics_port.h) it shows its metrics; empty: nowhere
 };
 
-// Serves until `stop`, then writes checkpoints, sends the workers Leave and returns within 2 s; unfinished
-// jobs go on with the next start. Tells the service manager, where one asks, how it stands. kBusy: another
-// coordinator has DIR, or the address. kRefused: tcp without keys.
+// Serves until `stop`, or, where it drains, until all jobs have ended or are paused; then writes checkpoints,
+// sends the workers Leave and returns within 2 s; unfinished jobs go on with the next start. Tells the
+// service manager, where one asks, how it stands. kBusy: another coordinator has DIR, takes it over
+// meanwhile, or has the address.
+// kRefused: tcp without keys.
 //
 // What clients ask (wire.proto) and are answered:
 //   Have: Reply.missing, the blobs that must be sent along.

@@ -57,6 +57,7 @@ DiskWriter::~DiskWriter() {
   }
   changed_.notify_one();
   thread_.join();
+  if (!folder_.TakenOver().empty()) table_.LeaveAsItIs();
 }
 
 std::uint64_t DiskWriter::Add(DiskWork work) {
@@ -212,7 +213,8 @@ DiskDone DiskWriter::Do(const RemoveBlobsWork& work) {
 
 DiskDone DiskWriter::Do(const WriteLogWork& work) {
   DiskDone done;
-  done.status = table_.AppendLog(work.by_job);
+  done.status = folder_.IsStillThere();
+  if (done.status.ok()) done.status = table_.AppendLog(work.by_job);
   return done;
 }
 

@@ -70,23 +70,77 @@ Result<int> ReadVersion(const fs::path& path) {
 
 }  // namespace
 
-Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
+Result<StoreFolder> StoreFolder::Make(const fs::path& dir) {
   std::error_code error;
   const bool made = fs::create_directories(dir, error);
   if (error) return SystemFailure(dir, "make the folder", error.value());
   if (made) fs::permissions(dir, fs::perms::owner_all, error);
-  Result<StoreFolder> folder = OpenAsItIs(dir);
+  return OpenAsItIs(dir);
+}
+
+Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
+  Result<StoreFolder> folder = Make(dir);
+  if (!folder.ok()) return folder;
+  if (Status status = folder.value().Prepare(); !status.ok()) return status;
+  return folder;
+}
+
+Result<StoreFolder> StoreFolder::OpenToServe(const fs::path& dir, bool take_over) {
+  Result<StoreFolder> folder = Make(dir);
   if (!folder.ok()) return folder;
   if (Status status = folder.value().MakeFolders(); !status.ok()) return status;
-  if (Status status = folder.value().LockBlobs(); !status.ok()) return status;
-  for (fs::recursive_directory_iterator it(dir, error), end; !error && it != end; it.increment(error))
+  if (Status status = folder.value().Claim(take_over); !status.ok()) return status;
+  if (Status status = folder.value().Prepare(); !status.ok()) return status;
+  return folder;
+}
+
+Status StoreFolder::Prepare() {
+  if (Status status = MakeFolders(); !status.ok()) return status;
+  if (Status status = LockBlobs(); !status.ok()) return status;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(dir_, error), end; !error && it != end; it.increment(error))
     if (IsAFolder(it->path())) RemoveLeftovers(it->path());
   // Of whom they came, nobody is there any more.
-  for (const fs::path& path : EntriesOf(folder.value().Uploads())) {
+  for (const fs::path& path : EntriesOf(Uploads())) {
     std::error_code ignored;
     if (path.extension() == ".part") fs::remove(path, ignored);
   }
-  return folder;
+  return Status::Ok();
+}
+
+// One that is damaged was written by nobody who could be asked.
+Status StoreFolder::Claim(bool take_over) {
+  Result<Holder> last = ReadHolder(HolderFile());
+  if (!last.ok() && last.status().code() != Code::kCorrupt) return last.status();
+  const Holder next = NextHolder(last.ok() ? last.value() : Holder{});
+  const std::string why = last.ok() ? WhyNotHold(last.value(), next) : last.status().message();
+  if (!why.empty() && !take_over) return {Code::kBusy, dir_.string() + ": " + why};
+  if (Status status = WriteHolder(HolderFile(), next); !status.ok()) return status;
+  holder_ = next;
+  return Status::Ok();
+}
+
+// A number that is the next one's is not told by its value alone: of a damaged file two might begin with the
+// same.
+Status StoreFolder::IsStillOurs() const {
+  if (!holder_) return Status::Ok();
+  const Result<Holder> holder = ReadHolder(HolderFile());
+  if (holder.ok() && holder.value() == *holder_) return Status::Ok();
+  if (SaysNothing(holder.status())) return holder.status();
+  lost_ = true;
+  return {Code::kIo, TakenOver()};
+}
+
+std::string StoreFolder::TakenOver() const {
+  if (!lost_) return "";
+  return "another coordinator has taken the store over; nothing is written there any more";
+}
+
+void StoreFolder::GiveBack() {
+  if (!holder_ || !IsStillThere().ok()) return;
+  holder_->serves = false;
+  static_cast<void>(WriteHolder(HolderFile(), *holder_));  // else the next one is asked whether it takes over
+  holder_.reset();
 }
 
 Result<StoreFolder> StoreFolder::OpenAsItIs(const fs::path& dir) {
@@ -133,6 +187,8 @@ StoreFolder::StoreFolder(StoreFolder&& other) noexcept
     : dir_(std::move(other.dir_)),
       lock_(std::exchange(other.lock_, kNoLock)),
       blobs_lock_(std::exchange(other.blobs_lock_, kNoLock)),
+      holder_(std::move(other.holder_)),
+      lost_(other.lost_.load()),
       id_(other.id_) {}
 
 StoreFolder::~StoreFolder() {
@@ -161,7 +217,7 @@ Status StoreFolder::IsStillThere() const {
   const std::array own{Blobs(), Checkpoints(), Uploads()};
   for (const fs::path& folder : own)
     if (IsALink(folder)) linked = &folder;
-  if (linked == nullptr) return Status::Ok();
+  if (linked == nullptr) return IsStillOurs();
   return {Code::kIo,
           linked->string() + " was replaced by a link while it was in use; nothing is written there"};
 }

@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "coordinator/store/holder.h"
 #include "schema/error.h"
 #include "schema/hash.h"
 
@@ -45,6 +47,9 @@ class StoreFolder {
   // kVersion: it is of a newer version, or from before files had checksum trailers; then nothing in it is
   // touched.
   static Result<StoreFolder> Open(const std::filesystem::path& dir);
+  // The same for a coordinator: other machines that see the folder find out that it is served (holder.h).
+  // kBusy: another machine's has it, as far as anybody knows, and it is not to be taken over.
+  static Result<StoreFolder> OpenToServe(const std::filesystem::path& dir, bool take_over);
   // The same of a store that is there, in which nothing is touched but the lock.
   static Result<StoreFolder> OpenAsItIs(const std::filesystem::path& dir);
   // The same without the lock: another process may have it, and change what is looked at.
@@ -57,6 +62,7 @@ class StoreFolder {
   const std::filesystem::path& dir() const { return dir_; }
   std::filesystem::path JobTable() const { return dir_ / "jobs.sqlite"; }
   std::filesystem::path VersionFile() const { return dir_ / "version"; }
+  std::filesystem::path HolderFile() const { return dir_ / "holder"; }
   std::filesystem::path ServedFile() const { return dir_ / "served"; }  // served_file.h
   std::filesystem::path Blobs() const { return dir_ / "blobs"; }
   std::filesystem::path BlobFile(const Hash& hash) const { return Blobs() / (hash.Hex() + ".h5"); }
@@ -81,9 +87,13 @@ class StoreFolder {
   // Forgets all jobs. What is none of a store's stays.
   Status Clear();
   // Whether what is called dir() is still the folder that was opened, and its own folders no links. Not Ok:
-  // it was removed, moved, or replaced by a link; nothing may be written there any more, for nobody would
-  // find it, or it would be written where somebody else wants it.
+  // it was removed, moved, or replaced by a link, or another machine has taken it over; nothing may be
+  // written there any more, for nobody would find it, or it would be written where somebody else wants it.
   Status IsStillThere() const;
+  // What IsStillThere said of another machine, from whatever thread; empty: nothing.
+  std::string TakenOver() const;
+  // Nobody serves it any more: another machine may at once.
+  void GiveBack();
   // The same, and that a job's checkpoints lie in no link.
   Status MayWriteCheckpoints(const std::string& job) const;
 
@@ -93,6 +103,10 @@ class StoreFolder {
   static bool IsForeign(const std::filesystem::path& dir);
   Status CheckVersion() const;
   Status MakeFolders() const;
+  static Result<StoreFolder> Make(const std::filesystem::path& dir);
+  Status Prepare();
+  Status Claim(bool take_over);
+  Status IsStillOurs() const;
   // Against another store whose `blobs` is the same folder, by a mount: each would remove what the other
   // needs.
   Status LockBlobs();
@@ -100,6 +114,8 @@ class StoreFolder {
   std::filesystem::path dir_;
   int lock_ = kNoLock;                          // file descriptor
   int blobs_lock_ = kNoLock;                    // of `blobs`
+  std::optional<Holder> holder_;                // this process, where it serves
+  mutable std::atomic<bool> lost_{false};       // another does
   std::pair<std::uint64_t, std::uint64_t> id_;  // of what is called dir(), be it a link: device and inode
 };
 

@@ -272,6 +272,10 @@ Status JobTable::Remove(const std::string& job) {
   return WithAdvice(log_table::Remove(db_.get(), job));
 }
 
+void JobTable::LeaveAsItIs() const {
+  sqlite3_db_config(db_.get(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+}
+
 // No checkpoint will tell this number any more. With FULL a commit is synced.
 Status JobTable::NoteRemoval(const std::string& job) {
   last_number_ = std::max(last_number_, NumberOfJob(job));

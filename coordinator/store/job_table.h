@@ -44,6 +44,8 @@ class JobTable {
   Status Remove(const std::string& job);
   // The highest number that the id of a job began with.
   std::uint64_t LastNumber() const { return last_number_; }
+  // The table is another machine's: what ends here writes nothing, as SQLite else does.
+  void LeaveAsItIs() const;
   // job_log.h
   const log_table::DamagedLines& damaged_lines() const { return damaged_lines_; }  // when it was opened
   Status RemoveDamagedLines();

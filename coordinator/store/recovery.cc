@@ -10,6 +10,7 @@
 #include "coordinator/core/job.h"
 #include "coordinator/store/checkpoint_file.h"
 #include "coordinator/store/result_file.h"
+#include "coordinator/store/served_file.h"
 #include "coordinator/store/sqlite_files.h"
 #include "schema/store/atomic_file.h"
 
@@ -76,6 +77,35 @@ std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, BlobFiles
     Quarantine(path);
   }
   return std::nullopt;
+}
+
+std::vector<std::string> NamesIn(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const fs::path& path : EntriesOf(folder))
+    if (std::error_code error; fs::is_directory(path, error)) names.push_back(path.filename().string());
+  std::ranges::sort(names);
+  return names;
+}
+
+// Of a job that has a checkpoint.
+void CheckJobInStore(const StoreFolder& folder, const BlobFiles& files, const std::string& job,
+                     const fs::path& results, StoreFindings& found) {
+  const std::vector<std::uint64_t> numbers = folder.CheckpointNumbers(job);
+  if (numbers.empty()) return found.damaged.push_back("job " + job + " has no checkpoint");
+  const Result<proto::Checkpoint> newest = ReadCheckpoint(folder.CheckpointFile(job, numbers.back()));
+  if (!newest.ok()) return found.damaged.push_back("job " + job + ": " + newest.status().message());
+  ++found.jobs;
+  const proto::Checkpoint& checkpoint = newest.value();
+  for (const Hash& hash : BlobsOf(checkpoint))
+    if (const Status blob = files.Check(hash); !blob.ok())
+      found.damaged.push_back("job " + job + ": " + blob.message());
+  for (int stage = 0; checkpoint.state() == proto::JOB_DONE && stage < checkpoint.results_size(); ++stage) {
+    const fs::path path = results / job / (checkpoint.job().stages(stage).name() + ".h5");
+    if (const Result<PublishedResult> result = ReadPublished(path); !result.ok())
+      found.damaged.push_back("job " + job + ": " + result.status().message());
+    else if (result.value().hash.Binary() != checkpoint.results(stage))
+      found.damaged.push_back("job " + job + ": " + path.string() + ": is another result than this job made");
+  }
 }
 
 // The record of a job that is done: all its stages have published what they gave.
@@ -171,6 +201,31 @@ std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, Inp
            std::tuple(b.checkpoint.order(), b.checkpoint.job_id());
   });
   return jobs;
+}
+
+StoreFindings CheckStore(const StoreFolder& folder, const fs::path& results, bool adopt) {
+  StoreFindings found;
+  const std::vector<std::string> jobs = folder.JobsWithCheckpoints();
+  const BlobFiles files(folder);
+  for (const std::string& job : jobs) CheckJobInStore(folder, files, job, results, found);
+  const Result<double> served_s = ReadServed(folder.ServedFile());
+  const PublishedFiles published{[&results](const std::string& job) { return EntriesOf(results / job); },
+                                 served_s.ok() ? served_s.value() : 0};
+  for (const std::string& job : NamesIn(results)) {
+    if (std::ranges::find(jobs, job) != jobs.end()) continue;
+    const bool is_job = NumberOfJob(job) > 0 && IsPlainName(job);
+    const std::optional<proto::Checkpoint> record =
+        is_job ? RecordOfResults(job, 1, published) : std::optional<proto::Checkpoint>();
+    (record ? found.orphaned : found.unclaimed).push_back(job);
+    if (!record || !adopt) continue;
+    std::error_code error;
+    fs::create_directory(folder.Checkpoints() / job, error);
+    Status saved = error ? SystemFailure(folder.Checkpoints() / job, "make the folder", error.value())
+                         : WriteCheckpoint(folder.CheckpointFile(job, 1), *record);
+    if (saved.ok()) saved = SyncFolder(folder.Checkpoints());
+    if (!saved.ok()) found.damaged.push_back("job " + job + ": " + saved.message());
+  }
+  return found;
 }
 
 Result<JobTable> OpenJobTable(const StoreFolder& folder, const LogSink& log) {

@@ -33,6 +33,19 @@ struct PublishedFiles {
 std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, InputsOf inputs,
                                 const PublishedFiles& published, const JobLogSink& log);
 
+// What a look through a store finds, a sentence each, for people.
+struct StoreFindings {
+  std::size_t jobs = 0;
+  std::vector<std::string>
+      damaged;  // checkpoints, blobs that the newest ones need, results of jobs that are done
+  std::vector<std::string> orphaned;   // jobs of which nothing but all their results is there, whole
+  std::vector<std::string> unclaimed;  // folders of results that are none of these, and no job's
+};
+// Reads every job's newest checkpoint, the blobs that it names, and the results below `results`. Changes
+// nothing, but that a damaged pack of blobs is quarantined, as each start does, and that with `adopt` what is
+// orphaned becomes a job again that is done, without an owner: the next start shows it.
+StoreFindings CheckStore(const StoreFolder& folder, const std::filesystem::path& results, bool adopt);
+
 // The job table; one that cannot be read is quarantined and begun anew.
 Result<JobTable> OpenJobTable(const StoreFolder& folder, const LogSink& log);
 

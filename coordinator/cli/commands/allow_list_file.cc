@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -68,16 +69,21 @@ fs::path Target(const fs::path& list) {
 
 }  // namespace
 
-void AllowKey(const fs::path& named, const std::string& key, const wire::Roles& roles,
-              const std::string& name) {
+int AllowKey(const fs::path& named, const std::string& key, const wire::Allowed& allowed) {
+  const std::string& name = allowed.name;
   // A line of its own would be another key.
   if (const std::string wrong = WhatIsWrongWithName(name); !wrong.empty())
     throw InputError("the name '" + name + "' " + wrong + "; --name gives another");
   const fs::path list = Target(named);
   const FolderLock lock = Lock(list.parent_path());
-  Read(list);  // a list that is damaged is not made worse
-  const std::string line = key + " " + wire::RoleText(roles) + (name.empty() ? "" : " " + name) + "\n";
+  const wire::AllowedKeys before = Read(list);  // a list that is damaged is not made worse
+  const std::string limits = wire::LimitText(allowed.limits);
+  const std::string line = key + " " + wire::RoleText(allowed.roles) + (limits.empty() ? "" : "," + limits) +
+                           (name.empty() ? "" : " " + name) + "\n";
   Write(list, LinesWithout(list, {{key, {}}}) + line);
+  return static_cast<int>(std::ranges::count_if(before, [&](const auto& entry) {
+    return entry.first != key && !name.empty() && entry.second.name == name;
+  }));
 }
 
 int RevokeKeys(const fs::path& named, const std::string& key_or_name) {

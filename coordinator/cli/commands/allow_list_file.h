@@ -12,11 +12,10 @@ namespace cairn::cli {
 // The name of the list in a folder of keys.
 inline constexpr const char* kAllowListName = "allowed";
 
-// Lets `key` in as `roles`, or gives it these where it is on the list already; makes the list where there is
-// none.
+// Lets `key` in, or changes what it may where it is on the list already; makes the list where there is none.
+// Returns how many other keys have its name, if it has one.
 // Throws InputError or WorldError.
-void AllowKey(const std::filesystem::path& list, const std::string& key, const wire::Roles& roles,
-              const std::string& name);
+int AllowKey(const std::filesystem::path& list, const std::string& key, const wire::Allowed& allowed);
 // Takes off the key, or those of that name; returns how many there were.
 // Throws InputError or WorldError.
 int RevokeKeys(const std::filesystem::path& list, const std::string& key_or_name);

@@ -18,8 +18,11 @@ namespace {
 class AllowListFile : public testing::Test {
  protected:
   AllowListFile() {
-    AllowKey(list_, key_, {.worker = true}, "desk");
-    AllowKey(list_, other_, {.viewer = true}, "lab");
+    AllowKey(list_, key_, As({.worker = true}, "desk"));
+    AllowKey(list_, other_, As({.viewer = true}, "lab"));
+  }
+  static wire::Allowed As(const wire::Roles& roles, const std::string& name) {
+    return {.roles = roles, .limits = {}, .name = name};
   }
   static struct stat Look(const std::filesystem::path& path) {
     struct stat info{};
@@ -39,11 +42,30 @@ class AllowListFile : public testing::Test {
 
 TEST_F(AllowListFile, ANewOneIsItsOwnersAlone) { EXPECT_EQ(Look(list_).st_mode & 0777, 0600U); }
 
+TEST_F(AllowListFile, LimitsStandInItAndAChangeSaysThemAnew) {
+  wire::Allowed desk = As({.worker = true}, "desk");
+  desk.limits = wire::ParseLimits("until=2030-01-31,jobs=3").value();
+  EXPECT_EQ(AllowKey(list_, key_, desk), 0);
+  EXPECT_EQ(wire::ReadAllowList(list_).value().at(key_), desk);
+  desk.limits = {};
+  AllowKey(list_, key_, desk);
+  EXPECT_EQ(wire::ReadAllowList(list_).value().at(key_), desk);
+}
+
+// Each owns the jobs of the others: of a stranger's key that nobody may overlook.
+TEST_F(AllowListFile, KeysOfTheSameNameAreCounted) {
+  const std::string third = wire::GenerateKeyPair().public_key;
+  EXPECT_EQ(AllowKey(list_, third, As({.viewer = true}, "desk")), 1);
+  EXPECT_EQ(AllowKey(list_, key_, As({.worker = true}, "desk")), 1);
+  EXPECT_EQ(AllowKey(list_, third, As({.viewer = true}, "")), 0);
+  EXPECT_EQ(AllowKey(list_, other_, As({.viewer = true}, "")), 0) << "no name is no name";
+}
+
 // The name of a .pub file that a stranger sent.
 TEST_F(AllowListFile, ANameWithLinesLetsNobodyElseIn) {
   const std::string third = wire::GenerateKeyPair().public_key;
   const std::string stranger = wire::GenerateKeyPair().public_key;
-  EXPECT_THROW(AllowKey(list_, third, {.viewer = true}, "desk\n" + stranger + " worker,submitter\n#"),
+  EXPECT_THROW(AllowKey(list_, third, As({.viewer = true}, "desk\n" + stranger + " worker,submitter\n#")),
                InputError);
   EXPECT_FALSE(Lists(list_, third));
   EXPECT_FALSE(Lists(list_, stranger));
@@ -60,7 +82,7 @@ TEST_F(AllowListFile, AChangeKeepsTheModeAndTheGroup) {
   EXPECT_EQ(RevokeKeys(list_, "desk"), 1);
   EXPECT_EQ(Look(list_).st_mode & 0777, 0644U);
   EXPECT_EQ(Look(list_).st_gid, group);
-  AllowKey(list_, key_, {.worker = true}, "desk");
+  AllowKey(list_, key_, As({.worker = true}, "desk"));
   EXPECT_EQ(Look(list_).st_mode & 0777, 0644U);
   EXPECT_EQ(Look(list_).st_gid, group);
 }
@@ -73,7 +95,7 @@ TEST_F(AllowListFile, OfALinkTheListBehindItChanges) {
   EXPECT_TRUE(std::filesystem::is_symlink(link));
   EXPECT_FALSE(Lists(list_, key_));
   EXPECT_TRUE(Lists(list_, other_));
-  AllowKey(link, key_, {.worker = true}, "desk");
+  AllowKey(link, key_, As({.worker = true}, "desk"));
   EXPECT_TRUE(std::filesystem::is_symlink(link));
   EXPECT_TRUE(Lists(list_, key_));
 }
@@ -81,7 +103,7 @@ TEST_F(AllowListFile, OfALinkTheListBehindItChanges) {
 TEST_F(AllowListFile, ALinkThatLeadsNowhereIsRefused) {
   const std::filesystem::path link = folder_.path() / "link";
   std::filesystem::create_symlink("nowhere", link);
-  EXPECT_THROW(AllowKey(link, key_, {.worker = true}, "desk"), InputError);
+  EXPECT_THROW(AllowKey(link, key_, As({.worker = true}, "desk")), InputError);
   EXPECT_TRUE(std::filesystem::is_symlink(link));
 }
 

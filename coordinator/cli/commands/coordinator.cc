@@ -1,5 +1,13 @@
-#include <csignal>
+#include <unistd.h>
 
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <optional>
+#include <thread>
+
+#include "coordinator/cli/commands/end_hook.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/home.h"
 #include "coordinator/cli/common/invocation.h"
@@ -14,7 +22,25 @@ namespace {
 
 struct CoordinatorArguments {
   coordinator::ServiceOptions service;
+  std::string on_end;
 };
+
+wire::KeyLimits DefaultLimits(const std::string& text) {
+  const Result<wire::KeyLimits> limits = wire::ParseLimits(text);
+  if (!limits.ok()) throw InputError("--key-limits: " + limits.status().message());
+  if (limits.value().until_s != 0 || limits.value().connections != 0)
+    throw InputError("--key-limits: until and connections are said of each key by itself (cairn keys allow)");
+  return limits.value();
+}
+
+// That it cannot be run shows now, not when the first job has ended.
+std::string HookProgram(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::absolute(path, error);
+  if (!std::filesystem::is_regular_file(program, error) || ::access(program.c_str(), X_OK) != 0)
+    throw InputError("--on-end: '" + path + "' is no program that can be run; say its whole path");
+  return program.string();
+}
 
 int Serve(const CoordinatorArguments& options, const Invocation& call) {
   Check(PrepareProcess({.files = 48, .file_bytes = 64 << 20, .memory_bytes = 512 << 20, .threads = 9}));
@@ -29,7 +55,16 @@ int Serve(const CoordinatorArguments& options, const Invocation& call) {
   talkative.verbose = true;       // a service's log is all that there is to see of it
   std::signal(SIGPIPE, SIG_IGN);  // who read it may go; the service stays
   Console console(talkative);
-  Check(coordinator::Serve(service, console.Sink(), StopOnSignals()));
+  constexpr double kHookLimit_s = 60;
+  std::optional<EndHook> hook;
+  if (!options.on_end.empty()) {
+    hook.emplace(HookProgram(options.on_end), kHookLimit_s, console.Sink());
+    service.job_ended = [&hook](const wire::JobInfo& job) { hook->JobEnded(job); };
+  }
+  const std::atomic<bool>& stop = StopOnSignals();
+  Check(coordinator::Serve(service, console.Sink(), stop));
+  // One that was told to end does not wait, one that ends by itself does.
+  while (hook && !stop && !hook->Idle()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   return kExitDone;
 }
 
@@ -50,6 +85,10 @@ void AddCoordinator(Command app, Invocation& call) {
       .Add("--keys", service.keys_dir,
            "Folder of coordinator.key and the list of allowed keys (tcp: ~/.config/cairn)")
       .ExistingFolder();
+  command.AddTaking<std::string>(
+      "--key-limits", [&service](const std::string& text) { service.key_limits = DefaultLimits(text); },
+      "Of keys of which the list says nothing else, but administrators': requests=N a second, jobs=N that "
+      "have not ended, inputs-mb=N of such jobs, memory-mb=N of a task, with commas (no limits)");
   command.Add("--max-connections", service.sockets.connections.connections, "At a time")
       .Within(1, 1'000'000)
       .ShowDefault();
@@ -90,6 +129,16 @@ void AddCoordinator(Command app, Invocation& call) {
            "Limit on the memory that a task may take, where the job file says nothing (0: none)")
       .Within(std::uint64_t{0}, coordinator::kMostTaskMemory_mb)
       .ShowDefault();
+  command.AddFlag(
+      "--take-over", service.take_over,
+      "Serve the store also where another machine's coordinator did not give it back; that one writes "
+      "nothing more there");
+  command.AddFlag("--drain", service.drain,
+                  "Take no new jobs, finish those that are there, and end; what is paused stays paused");
+  command.Add(
+      "--on-end", options->on_end,
+      "A program that is run when a job has ended, with the job as JSON on its input, as `cairn status JOB "
+      "--json` prints it; for at most a minute, one after the other (none)");
   command.Add("--metrics", service.metrics,
               "Show metrics for Prometheus, /healthz and /readyz over HTTP at ADDRESS:PORT, or PORT of this "
               "machine alone (nowhere)");

@@ -33,7 +33,8 @@ bool MayBeTold(const std::string& action, const std::string& state) {
   return kStates.at(action).contains(state);
 }
 
-// By a pattern those alone that can do it: to cancel all of a fleet is no error where some are done.
+// By a pattern those alone that can do it, and are his who asks: to cancel all of a fleet is no error where
+// some are done.
 std::vector<std::string> JobsToTell(const JobCommandsArguments& options, coordinator::Client& client) {
   const bool by_choice = !options.choice.name.empty() || !options.choice.state.empty();
   if (by_choice == !options.jobs.empty())
@@ -41,8 +42,8 @@ std::vector<std::string> JobsToTell(const JobCommandsArguments& options, coordin
   if (!by_choice) return options.jobs;
   std::vector<std::string> ids;
   for (const wire::JobInfo& job : Chosen(options.choice, Take(client.List()).jobs))
-    if (MayBeTold(options.action, job.state())) ids.push_back(job.id());
-  if (ids.empty()) throw InputError("there is no such job, or none that one can " + options.action);
+    if (MayBeTold(options.action, job.state()) && !job.foreign()) ids.push_back(job.id());
+  if (ids.empty()) throw InputError("there is no such job, or none that you can " + options.action);
   return ids;
 }
 

@@ -1,6 +1,7 @@
 #include "schema/wire/keys.h"
 
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -21,6 +22,7 @@ struct KeysArguments {
   std::string name;  // of a pair, or of a key on the list
   std::string key;   // the text, or a .pub file
   std::string roles;
+  std::string until, limits;
   bool json = false;
 };
 
@@ -80,11 +82,25 @@ int Show(const KeysArguments& options, const Invocation&) {
   text += "allowed to connect to a coordinator with these keys:\n";
   for (const auto& [key, allowed] : ReadList(options)) {
     const std::string roles = wire::RoleText(allowed.roles);
-    json["allowed"].push_back({{"key", key}, {"roles", roles}, {"name", allowed.name}});
-    text += "  " + key + "  " + roles + "  " + allowed.name + "\n";
+    const std::string limits = wire::LimitText(allowed.limits);
+    const bool over = allowed.limits.until_s != 0 && allowed.limits.until_s <= ::time(nullptr);
+    json["allowed"].push_back(
+        {{"key", key}, {"roles", roles}, {"limits", limits}, {"over", over}, {"name", allowed.name}});
+    text += "  " + key + "  " + roles + (limits.empty() ? "" : "," + limits) + (over ? " (over)" : "") +
+            "  " + allowed.name + "\n";
   }
   std::fputs(options.json ? (json.dump(2) + "\n").c_str() : text.c_str(), stdout);
   return kExitDone;
+}
+
+wire::KeyLimits LimitsIn(const KeysArguments& options) {
+  std::string text = options.until.empty() ? "" : "until=" + options.until;
+  if (!options.limits.empty()) text += (text.empty() ? "" : ",") + options.limits;
+  const Result<wire::KeyLimits> limits = wire::ParseLimits(text);
+  if (!limits.ok()) throw InputError(limits.status().message());
+  if (limits.value().until_s != 0 && limits.value().until_s <= ::time(nullptr))
+    throw InputError("--until: " + options.until + " is over; `cairn keys revoke` takes a key off the list");
+  return limits.value();
 }
 
 int Allow(const KeysArguments& options, const Invocation&) {
@@ -95,9 +111,16 @@ int Allow(const KeysArguments& options, const Invocation&) {
   std::string name = options.name;
   if (name.empty() && fs::path(options.key).extension() == ".pub")
     name = fs::path(options.key).stem().string();
-  AllowKey(Folder(options) / kAllowListName, key, roles.value(), name);
-  std::printf("%s %s as %s\n", known ? "changed" : "allowed", wire::ShortKey(key).c_str(),
-              wire::RoleText(roles.value()).c_str());
+  const wire::KeyLimits limits = LimitsIn(options);
+  const int same = AllowKey(Folder(options) / kAllowListName, key,
+                            {.roles = roles.value(), .limits = limits, .name = name});
+  const std::string text = wire::LimitText(limits);
+  std::printf("%s %s as %s%s\n", known ? "changed" : "allowed", wire::ShortKey(key).c_str(),
+              wire::RoleText(roles.value()).c_str(), text.empty() ? "" : (", " + text).c_str());
+  if (same > 0 && roles.value().submitter)
+    std::printf(
+        "%d other key%s called '%s', too: each may end the jobs of the others (--name gives another)\n", same,
+        same == 1 ? " is" : "s are", name.c_str());
   return kExitDone;
 }
 
@@ -134,10 +157,18 @@ void AddKeys(Command app, Invocation& call) {
   command.AddFlag("--json", options->json, "As JSON");
 
   options = add("allow", "Lets a key connect to the coordinator of this folder",
-                "cairn keys allow desk.pub --as worker,viewer --name desk", Allow);
+                "cairn keys allow desk.pub --as worker,viewer --name desk\n  "
+                "cairn keys allow ann.pub --as submitter --until 2027-06-30 --limits jobs=20,requests=10",
+                Allow);
   command.Add("KEY", options->key, "A public key, or the .pub file that holds it").Required();
-  command.Add("--as", options->roles, "worker, submitter, viewer; several with commas").Required();
-  command.Add("--name", options->name, "What to call it (the file's name)");
+  command.Add("--as", options->roles, "worker, submitter, admin, viewer; several with commas").Required();
+  command.Add("--name", options->name, "What to call it, and whose jobs it submits (the file's name)");
+  command.Add("--until", options->until,
+              "The last day, YYYY-MM-DD of UTC, on which it is let in, or a moment, YYYY-MM-DDTHH:MM:SSZ");
+  command.Add(
+      "--limits", options->limits,
+      "What it may have: connections=N, requests=N a second, jobs=N that have not ended, inputs-mb=N of "
+      "such jobs, memory-mb=N of a task; several with commas");
 
   options = add("revoke", "Takes a key off the list; it is refused at its next message",
                 "cairn keys revoke desk", Revoke);

@@ -42,7 +42,7 @@ told() {
   [ "$state" != RUNNING ] || scontrol requeue "$SLURM_JOB_ID"
   exit 143
 }
-"$cairn" coordinator --store "$own/store" --listen "tcp://*:$port" --keys "$own" &
+"$cairn" coordinator --take-over --store "$own/store" --listen "tcp://*:$port" --keys "$own" &
 coordinator=$!
 trap told TERM
 until client list >/dev/null 2>&1; do
@@ -98,8 +98,8 @@ void MakeKeys(const fs::path& own) {
   for (const char* name : {"coordinator", "client"})
     if (!fs::exists(own / (std::string(name) + ".key")))
       Check(wire::WriteKeyPair(own / name, wire::GenerateKeyPair()));
-  AllowKey(own / kAllowListName, Take(wire::ReadPublicKey(own / "client.pub")), {.submitter = true},
-           "client");
+  AllowKey(own / kAllowListName, Take(wire::ReadPublicKey(own / "client.pub")),
+           {.roles = {.submitter = true}, .limits = {}, .name = "client"});
 }
 
 }  // namespace

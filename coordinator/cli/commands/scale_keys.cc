@@ -32,7 +32,8 @@ Result<std::vector<std::string>> ListedKeys::Names() {
 // First on the list: of one that is not there a file would be a secret that nobody can use, or revoke.
 cairn::Status ListedKeys::Make(const std::string& name) {
   const wire::KeyPair keys = wire::GenerateKeyPair();
-  if (cairn::Status listed = Tried([&] { AllowKey(list_, keys.public_key, {.worker = true}, name); });
+  if (cairn::Status listed = Tried(
+          [&] { AllowKey(list_, keys.public_key, {.roles = {.worker = true}, .limits = {}, .name = name}); });
       !listed.ok())
     return listed;
   cairn::Status written = wire::WriteKeyPair(folder_ / name, keys);

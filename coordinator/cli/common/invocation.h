@@ -47,6 +47,7 @@ void AddLogs(Command app, Invocation& call);
 void AddScale(Command app, Invocation& call);  // local, ssh, slurm
 void AddDrain(Command app, Invocation& call);
 void AddBackup(Command app, Invocation& call);  // restore too
+void AddCheck(Command app, Invocation& call);
 void AddClean(Command app, Invocation& call);
 void AddImport(Command app, Invocation& call);
 void AddSimulate(Command app, Invocation& call);

@@ -9,6 +9,7 @@
 #include "coordinator/cli/output/progress_line.h"
 #include "coordinator/cli/output/text_table.h"
 #include "schema/text.h"
+#include "schema/wire/keys.h"
 
 namespace cairn::cli {
 namespace {
@@ -20,6 +21,7 @@ nlohmann::ordered_json NullIfUnknown(double seconds) {
 nlohmann::ordered_json ToJson(const wire::JobInfo& job) {
   return {{"id", job.id()},
           {"name", job.name()},
+          {"owner", job.owner()},
           {"state", job.state()},
           {"reason", job.reason()},
           {"stage", job.stage()},
@@ -37,6 +39,7 @@ nlohmann::ordered_json ToJson(const wire::JobInfo& job) {
           {"seconds", job.seconds()},
           {"priority", job.priority()},
           {"retries", job.retries()},
+          {"lost", job.lost()},
           {"failures", std::vector<std::string>(job.failures().begin(), job.failures().end())},
           {"input_error", job.input_error()}};
 }
@@ -49,6 +52,10 @@ nlohmann::ordered_json ToJson(const coordinator::StoreFacts& store) {
 std::string StageText(const wire::JobInfo& job) {
   const std::string name = job.stage_name().empty() ? "" : " " + job.stage_name();
   return fmt::format("{}/{}{}", std::min(job.stage() + 1, job.stages()), job.stages(), name);
+}
+
+std::string OwnerText(const wire::JobInfo& job) {
+  return wire::IsPublicKey(job.owner()) ? wire::ShortKey(job.owner()) : job.owner();
 }
 
 // Of the stage under way: nobody knows what the later ones will take.
@@ -67,6 +74,7 @@ std::string Dump(const nlohmann::ordered_json& json) {
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
+// Owners where there are several.
 std::string JobTable(const std::vector<wire::JobInfo>& jobs) {
   std::vector<std::vector<std::string>> rows = {
       {"job", "name", "state", "stage", "round", "tasks", "workers", "time", "left", "note"}};
@@ -76,6 +84,10 @@ std::string JobTable(const std::vector<wire::JobInfo>& jobs) {
                     job.tasks() > 0 ? fmt::format("{}/{}", job.tasks_done(), job.tasks()) : "",
                     std::to_string(job.workers()), Duration(job.seconds()), LeftText(job),
                     job.reason().empty() ? job.note() : job.reason()});
+  const bool several = std::ranges::any_of(
+      jobs, [&jobs](const wire::JobInfo& job) { return job.owner() != jobs.front().owner(); });
+  for (std::size_t row = 0; several && row < rows.size(); ++row)
+    rows[row].insert(rows[row].begin() + 2, row == 0 ? "owner" : OwnerText(jobs[row - 1]));
   return TextTable(rows);
 }
 
@@ -86,6 +98,7 @@ std::string JobText(const wire::JobInfo& job) {
   };
   line("job", job.id());
   line("name", job.name());
+  line("owner", OwnerText(job));
   line("state", job.state());
   line("reason", job.reason());
   line("priority", job.priority() == 0 ? "" : std::to_string(job.priority()));
@@ -102,6 +115,7 @@ std::string JobText(const wire::JobInfo& job) {
   line("note", job.note());
   if (job.retries() > 0) line("retries", fmt::format("{} in all, the last:", job.retries()));
   for (const std::string& failure : job.failures()) line("", failure);
+  if (job.lost() > 0) line("lost", fmt::format("{} with their machines, which are no failures", job.lost()));
   return text;
 }
 

@@ -70,6 +70,26 @@ TEST(JobTable, HasALineAJobWithWhatIsLeftOrWhyItWaits) {
   EXPECT_NE(text.find("cannot save: no space left on device\n"), std::string::npos) << text;
 }
 
+TEST(JobTable, SaysWhoseAJobIsWhereThereAreSeveralOwners) {
+  wire::JobInfo anns = AJobWithFailures(), bobs = anns;
+  anns.set_owner("ann");
+  EXPECT_EQ(JobTable({anns, anns}).find("owner"), std::string::npos);
+  bobs.set_owner("0123456789abcdefghij0123456789abcdefghij");
+  const std::string text = JobTable({anns, bobs});
+  EXPECT_NE(text.find("job       name  owner"), std::string::npos) << text;
+  EXPECT_NE(text.find("ann "), std::string::npos) << text;
+  EXPECT_EQ(text.find(bobs.owner()), std::string::npos) << "a key without a name, whole";
+  EXPECT_NE(JobText(anns).find("owner    ann\n"), std::string::npos) << JobText(anns);
+}
+
+TEST(JobText, SaysWhatWasLostApartFromWhatFailed) {
+  wire::JobInfo job = AJobWithFailures();
+  EXPECT_EQ(JobText(job).find("lost "), std::string::npos);
+  job.set_lost(3);
+  EXPECT_NE(JobText(job).find("lost     3 with their machines, which are no failures\n"), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(JobJson(job)).at("lost"), 3);
+}
+
 TEST(JobText, JsonHoldsTheSame) {
   const nlohmann::json json = nlohmann::json::parse(JobJson(AJobWithFailures()));
   EXPECT_EQ(json.at("retries"), 7);

@@ -55,12 +55,12 @@ class Running {
     if (WIFEXITED(status)) output_.exit_code = WEXITSTATUS(status);
     if (output_.exit_code != 0) output_.failure = Named(Why(status));
   }
-  void Kill(double limit_s) {
+  void Kill(const std::string& why) {
     if (pid_ <= 0) return;
     ::kill(-pid_, SIGKILL);
     ::waitpid(pid_, nullptr, 0);
     pid_ = 0;
-    output_.failure = name_ + ": no answer for " + std::to_string(std::lround(limit_s)) + " s";
+    output_.failure = name_ + ": " + why;
   }
 
  private:
@@ -153,9 +153,14 @@ class Running {
   std::array<int, 3> ends_ = {-1, -1, -1};  // of its stdin, stdout, stderr
 };
 
+std::string NoAnswer(double limit_s) {
+  return "no answer for " + std::to_string(std::lround(limit_s)) + " s";
+}
+
 }  // namespace
 
-std::vector<ProgramOutput> RunPrograms(const std::vector<Program>& programs, double limit_s) {
+std::vector<ProgramOutput> RunPrograms(const std::vector<Program>& programs, double limit_s,
+                                       const std::atomic<bool>* stop) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point end =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limit_s));
@@ -163,13 +168,15 @@ std::vector<ProgramOutput> RunPrograms(const std::vector<Program>& programs, dou
   std::vector<std::unique_ptr<Running>> running;
   for (std::size_t i = 0; i < programs.size(); ++i)
     running.push_back(std::make_unique<Running>(programs[i], outputs[i]));
-  while (std::ranges::any_of(running, [](const auto& one) { return !one->ended(); }) && Clock::now() < end) {
+  const auto goes_on = [&] { return Clock::now() < end && (stop == nullptr || !*stop); };
+  while (std::ranges::any_of(running, [](const auto& one) { return !one->ended(); }) && goes_on()) {
     std::vector<pollfd> polls;
     for (const auto& one : running) one->AddTo(polls);
     ::poll(polls.data(), polls.size(), kLook_ms);
     for (const auto& one : running) one->Step();
   }
-  for (const auto& one : running) one->Kill(limit_s);
+  const bool stopped = Clock::now() < end;
+  for (const auto& one : running) one->Kill(stopped ? "ended before it answered" : NoAnswer(limit_s));
   return outputs;
 }
 

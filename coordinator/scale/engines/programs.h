@@ -1,6 +1,7 @@
 // Other programs, run side by side: ssh to each host, the commands of a cluster.
 #pragma once
 
+#include <atomic>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,10 @@ struct ProgramOutput {
   std::string failure;  // for people; empty where exit_code is 0
 };
 
-// Returns when all have ended, or after `limit_s`: what runs then is killed, with all that it started.
-std::vector<ProgramOutput> RunPrograms(const std::vector<Program>& programs, double limit_s);
+// Returns when all have ended, after `limit_s`, or once `stop` is true: what runs then is killed, with all
+// that it started.
+std::vector<ProgramOutput> RunPrograms(const std::vector<Program>& programs, double limit_s,
+                                       const std::atomic<bool>* stop = nullptr);
 
 // For a POSIX shell: one word, whatever is in it.
 std::string ShellWord(const std::string& text);

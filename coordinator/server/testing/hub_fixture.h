@@ -155,6 +155,10 @@ class ServerFixture {
   std::uint64_t memory_bytes = 1 << 20;
   double checkpoint_interval_s = 0;
   std::filesystem::path allow_list;
+  wire::KeyLimits key_limits;
+  bool drains = false;
+  bool serves = false;  // opens the store as a service does
+  std::function<void(const wire::JobInfo&)> job_ended;
   std::uint64_t store_limit_bytes = 0;
   double keep_s = 0;
   std::filesystem::path store_dir;  // empty: within temp
@@ -162,11 +166,15 @@ class ServerFixture {
   void Start() {
     server.reset();
     folder.reset();
-    folder.emplace(StoreFolder::Open(store_dir.empty() ? temp.path() / "store" : store_dir).value());
+    const std::filesystem::path dir = store_dir.empty() ? temp.path() / "store" : store_dir;
+    folder.emplace(serves ? StoreFolder::OpenToServe(dir, false).value() : StoreFolder::Open(dir).value());
     ServerOptions options;
     options.memory_bytes = memory_bytes;
     options.core.checkpoint_interval_s = checkpoint_interval_s;
     options.allow_list = allow_list;
+    options.key_limits = key_limits;
+    options.drains = drains;
+    options.job_ended = job_ended;
     options.store_limit_bytes = store_limit_bytes;
     options.core.keep_s = keep_s;
     options.result_path = [this](const std::string& job, const std::string& stage) {

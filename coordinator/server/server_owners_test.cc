@@ -1,0 +1,121 @@
+// Whose job is whose, and who may command it.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "coordinator/server/testing/rights_fixture.h"
+
+namespace cairn::coordinator {
+namespace {
+
+using wire::RefusalKind;
+
+class Owners : public RightsFixture {
+ protected:
+  Owners() { AllowAll(); }
+  void AllowAll(const std::string& more = "") {
+    Allow(submitter_ + " submitter ann\n" + other_ + " submitter bob\n" + worker_ + " admin chief\n" +
+          viewer_ + " viewer\n" + more);
+  }
+  // A job of ann's.
+  std::string AJob() {
+    Bring();
+    return Ask(submitter_, Submission()).reply().jobs(0).id();
+  }
+};
+
+const std::vector<std::string> kChanges = {"pause", "resume", "priority", "cancel", "retry", "delete"};
+
+TEST_F(Owners, NobodyButItsOwnerAndAnAdministratorCommandsAJob) {
+  const std::string job = AJob();
+  EXPECT_EQ(fixture_.server->core().Find(job)->owner(), "ann");
+  const std::uint64_t before = Count(RefusalKind::kRight);
+  for (const std::string& change : kChanges) {
+    const wire::Reply reply = Ask(other_, Query(change, job)).reply();
+    EXPECT_FALSE(reply.ok()) << change;
+    EXPECT_NE(
+        reply.message().find("cannot " + change + " " + job + ": it belongs to ann, and the key of bob"),
+        std::string::npos)
+        << reply.message();
+    EXPECT_EQ(fixture_.State(job), "queued") << change;
+  }
+  EXPECT_EQ(Count(RefusalKind::kRight), before + kChanges.size());
+  EXPECT_EQ(Ask(submitter_, Query("pause", job)).reply().jobs(0).state(), "paused");
+  EXPECT_EQ(Ask(worker_, Query("cancel", job)).reply().jobs(0).state(), "cancelled");
+  EXPECT_EQ(Ask(submitter_, Query("delete", job)).reply().jobs(0).state(), "deleted");
+}
+
+TEST_F(Owners, EverybodySeesWhoseAJobIsAndWhetherItIsHis) {
+  const std::string job = AJob();
+  struct Sees {
+    std::string user;
+    bool foreign;
+  };
+  for (const Sees& sees :
+       {Sees{submitter_, false}, Sees{other_, true}, Sees{worker_, false}, Sees{viewer_, true}})
+    for (const std::string& asked : {job, std::string()}) {
+      const wire::Reply reply = Ask(sees.user, Query("status", asked)).reply();
+      ASSERT_EQ(reply.jobs_size(), 1);
+      EXPECT_EQ(reply.jobs(0).owner(), "ann");
+      EXPECT_EQ(reply.jobs(0).foreign(), sees.foreign);
+    }
+  EXPECT_TRUE(Ask(other_, Query("logs", job)).reply().ok());
+  EXPECT_TRUE(Ask(viewer_, Query("results", job)).reply().ok());
+}
+
+TEST_F(Owners, OwnersOutliveARestartAndFollowTheNameToANewKey) {
+  const std::string job = AJob();
+  fixture_.Until([&] { return !fixture_.server->core().HasUnsaved(); });
+  fixture_.Start();
+  EXPECT_EQ(fixture_.server->core().Find(job)->owner(), "ann");
+  EXPECT_FALSE(Ask(other_, Query("pause", job)).reply().ok());
+  AllowAll(stranger_ + " submitter ann\n");
+  EXPECT_TRUE(Ask(stranger_, Query("pause", job)).reply().ok()) << "the new key of who was given one";
+  Allow(submitter_ + " submitter bob\n" + stranger_ + " submitter ann\n");
+  EXPECT_FALSE(Ask(submitter_, Query("resume", job)).reply().ok()) << "a key that is called otherwise now";
+}
+
+// Such as are from before there were owners: else whoever came first might end what nobody knows whose it is.
+TEST_F(Owners, AJobWithoutAnOwnerIsAnAdministratorsAlone) {
+  fixture_.Submit();
+  const wire::Reply reply = Ask(submitter_, Query("cancel")).reply();
+  EXPECT_NE(reply.message().find("it has no owner"), std::string::npos) << reply.message();
+  EXPECT_EQ(fixture_.State(), "queued");
+  EXPECT_EQ(Ask(worker_, Query("cancel")).reply().jobs(0).state(), "cancelled");
+}
+
+TEST_F(Owners, AKeyWithoutANameOwnsItsJobsItself) {
+  Allow(submitter_ + " submitter\n" + other_ + " submitter\n");
+  const std::string job = AJob();
+  EXPECT_EQ(fixture_.server->core().Find(job)->owner(), submitter_);
+  const wire::Reply refused = Ask(other_, Query("cancel", job)).reply();
+  EXPECT_EQ(refused.message().find(submitter_), std::string::npos) << "the whole key is shown";
+  EXPECT_TRUE(Ask(submitter_, Query("cancel", job)).reply().ok());
+}
+
+// The same job of the same inputs is computed once: it stays whose it was.
+TEST_F(Owners, WhatAnotherHasSubmittedIsKnownAndStaysHis) {
+  const std::string job = AJob();
+  const wire::Reply again = Ask(other_, Submission()).reply();
+  EXPECT_TRUE(again.known());
+  EXPECT_EQ(again.jobs(0).id(), job);
+  EXPECT_EQ(again.jobs(0).owner(), "ann");
+}
+
+TEST(OwnersWithoutKeys, AreTheUserWhoseSocketItIsAndNobodyIsRefused) {
+  ServerFixture fixture;
+  const wire::Reply reply = fixture.Ask(fixture.Submission(fixture.MakeJob()));
+  ASSERT_TRUE(reply.ok()) << reply.message();
+  EXPECT_FALSE(reply.jobs(0).owner().empty());
+  fixture.Submit("b");
+  wire::Message cancel;
+  cancel.envelope.mutable_query()->set_action("cancel");
+  for (const std::string& job : {reply.jobs(0).id(), std::string("b")}) {
+    cancel.envelope.mutable_query()->set_job(job);
+    EXPECT_TRUE(fixture.Ask(cancel).ok()) << job;
+  }
+}
+
+}  // namespace
+}  // namespace cairn::coordinator
