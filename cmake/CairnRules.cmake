@@ -53,8 +53,11 @@ set(CAIRN_LINKS_worker
 set(CAIRN_LINKS_coordinator "schema/wire")
 set(CAIRN_LINKS_coordinator_core "schema")
 set(CAIRN_LINKS_coordinator_store "schema(/.*)?|coordinator/core|SQLite::.*|Threads::Threads")
-set(CAIRN_LINKS_coordinator_server "schema(/.*)?|coordinator/(core|store)|PkgConfig::CAIRN_MICROHTTPD")
+set(CAIRN_LINKS_coordinator_http "schema/wire|PkgConfig::CAIRN_MICROHTTPD|Threads::Threads")
+set(CAIRN_LINKS_coordinator_server "schema(/.*)?|coordinator/(core|store|http)")
 set(CAIRN_LINKS_coordinator_local "schema(/.*)?|coordinator/(core|store|server)|Threads::Threads")
+set(CAIRN_LINKS_coordinator_page
+  "schema(/.*)?|coordinator|coordinator/(http|cli/common)|CLI11::.*|nlohmann_json::.*|Threads::Threads")
 set(CAIRN_LINKS_coordinator_scale "schema")
 set(CAIRN_LINKS_coordinator_scale_engines "schema|coordinator/scale|yaml-cpp(::.*)?|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli "schema(/.*)?|coordinator/cli/.*|CLI11::.*")

@@ -1,58 +1,16 @@
 #include "coordinator/server/metrics_port.h"
 
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <sys/time.h>
-#include <unistd.h>
 
-#include <array>
-#include <cerrno>
 #include <vector>
+
+#include "coordinator/http/testing/http_client.h"
 
 namespace cairn::coordinator {
 namespace {
 
-// A connection to a port of this machine.
-class HttpClient {
- public:
-  explicit HttpClient(const MetricsPort& port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    const std::string& where = port.address();
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(where.substr(where.rfind(':') + 1))));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const timeval patience{.tv_sec = 60, .tv_usec = 0};
-    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-  }
-  HttpClient(HttpClient&& other) noexcept : socket_(std::exchange(other.socket_, -1)) {}
-  HttpClient& operator=(HttpClient&&) = delete;
-  ~HttpClient() {
-    if (socket_ >= 0) ::close(socket_);
-  }
-  // False where the other side is gone.
-  bool Say(const std::string& text) const {
-    return ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
-  }
-  // All that comes until the other side closes, or breaks off, which it must.
-  std::string HearAll() const {
-    std::string all;
-    errno = 0;
-    std::array<char, 65536> bytes{};
-    // Not recv: that of schema/wire, which takes this for a handshake of ZeroMQ's.
-    for (ssize_t size = 0; (size = ::read(socket_, bytes.data(), bytes.size())) > 0;)
-      all.append(bytes.data(), static_cast<std::size_t>(size));
-    EXPECT_NE(errno, EAGAIN) << "the connection stands";
-    return all;
-  }
-
- private:
-  int socket_;
-};
-
 std::string Get(const MetricsPort& port, const std::string& path, const std::string& method = "GET") {
-  const HttpClient client(port);
+  const HttpClient client(port.address());
   EXPECT_TRUE(client.Say(method + " " + path + " HTTP/1.1\r\nHost: here\r\n" + "Accept: */*\r\n" +
                          "X-Long: " + std::string(5000, 'x') + "\r\n\r\n"));
   return client.HearAll();
@@ -132,11 +90,11 @@ TEST(MetricsPort, WhatIsNoHttpIsNotAnswered) {
   for (const char* bytes :
        {"GET\r\n\r\n", "GET /metrics\r\n\r\n", "GET /metrics HTTP/9.9\r\n\r\n",
         "GET /metrics HTTP/1.1\r\nno colon\r\n\r\n", "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"}) {
-    const HttpClient client(*port);
+    const HttpClient client(port->address());
     client.Say(bytes);
     EXPECT_EQ(client.HearAll().find("cairn_store"), std::string::npos) << bytes;
   }
-  const HttpClient binary(*port);  // it is waited for, and for no other's sake
+  const HttpClient binary(port->address());  // it is waited for, and for no other's sake
   binary.Say(std::string("\0\1\2\3\r\n\r\n", 8));
   ExpectServes(*port);
 }
@@ -144,7 +102,7 @@ TEST(MetricsPort, WhatIsNoHttpIsNotAnswered) {
 TEST(MetricsPort, OfAHeadWithoutEndOnlyTheBeginningIsRead) {
   const std::unique_ptr<MetricsPort> port = Listening();
   for (const std::string& head : {std::string("GET /"), std::string("GET /metrics HTTP/1.1\r\nX: ")}) {
-    const HttpClient client(*port);
+    const HttpClient client(port->address());
     client.Say(head);
     std::size_t taken = 0;
     const std::string more(1 << 20, 'x');
@@ -160,7 +118,7 @@ TEST(MetricsPort, ThousandThatNeverEndTheirRequestHoldUpNobodyAndTheOldestGo) {
   const std::unique_ptr<MetricsPort> port = Listening();
   std::vector<HttpClient> slow;
   for (int i = 0; i < 1000; ++i) {
-    slow.emplace_back(*port);
+    slow.emplace_back(port->address());
     slow.back().Say("GET /metrics HTTP/1.1\r\nX-Slow: ");
   }
   ExpectServes(*port);
@@ -169,7 +127,7 @@ TEST(MetricsPort, ThousandThatNeverEndTheirRequestHoldUpNobodyAndTheOldestGo) {
   ExpectServes(*port);
   // One of the last goes on, and is answered: it was not taken for an attacker.
   slow.clear();
-  const HttpClient patient(*port);
+  const HttpClient patient(port->address());
   for (const char byte : std::string("GET /metrics HTTP/1.1\r\nHost: here\r\n\r\n"))
     ASSERT_TRUE(patient.Say(std::string(1, byte)));
   EXPECT_NE(patient.HearAll().find("\ncairn_store_writable 1\n"), std::string::npos);
@@ -177,7 +135,7 @@ TEST(MetricsPort, ThousandThatNeverEndTheirRequestHoldUpNobodyAndTheOldestGo) {
 
 TEST(MetricsPort, WhoSaysNothingIsNotWaitedForForEver) {
   const std::unique_ptr<MetricsPort> port = Listening(1);
-  const HttpClient silent(*port);
+  const HttpClient silent(port->address());
   EXPECT_EQ(silent.HearAll(), "");
 }
 
@@ -185,7 +143,7 @@ TEST(MetricsPort, ThousandThatAskAndDoNotReadHoldUpNobody) {
   const std::unique_ptr<MetricsPort> port = Listening();
   std::vector<HttpClient> deaf;
   for (int i = 0; i < 1000; ++i) {
-    deaf.emplace_back(*port);
+    deaf.emplace_back(port->address());
     deaf.back().Say("GET /metrics HTTP/1.1\r\nHost: here\r\n\r\n");
   }
   port->Publish({});
@@ -194,7 +152,7 @@ TEST(MetricsPort, ThousandThatAskAndDoNotReadHoldUpNobody) {
 
 TEST(MetricsPort, EndsThoughConnectionsStand) {
   std::unique_ptr<MetricsPort> port = Listening();
-  const HttpClient silent(*port);
+  const HttpClient silent(port->address());
   ExpectServes(*port);
   port.reset();
   EXPECT_EQ(silent.HearAll(), "");
