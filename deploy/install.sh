@@ -5,6 +5,7 @@
 #   deploy/install.sh --dev    also what ./deploy/test.sh --all needs: clang-format, clang-tidy, h5py, OctoMap
 #   deploy/install.sh --arm64  also what ./deploy/arm64.sh needs: a cross compiler, qemu-user
 #   deploy/install.sh --cluster  also what the tests of ssh, Slurm and Kubernetes need, daemons among it: sshd, munged, slurmctld, slurmd
+#   deploy/install.sh --browser  also what the test of the pages needs: Chromium and its driver (132 MB to fetch), nginx
 #   deploy/install.sh --list   installs nothing, prints the packages of the first line
 #
 # Runs as root, or as a user with sudo. The lists below are the whole of it: cmake/CairnDependencies.cmake finds the
@@ -35,15 +36,18 @@ cluster_packages=(openssh-server openssh-client iproute2 slurmctld slurmd slurm-
 # Another's kubectl is as good, and dpkg would not put this one in its place.
 command -v kubectl >/dev/null || cluster_packages+=(kubernetes-client)
 
+browser_packages=(chromium chromium-driver nginx-light openssl python3)
+
 packages=("${build_packages[@]}")
 for argument in "$@"; do
   case $argument in
     --dev) packages+=("${dev_packages[@]}") ;;
     --arm64) packages+=("${arm64_packages[@]}") ;;
     --cluster) packages+=("${cluster_packages[@]}") ;;
+    --browser) packages+=("${browser_packages[@]}") ;;
     --list) printf '%s\n' "${build_packages[@]}"; exit 0 ;;
-    -h | --help) sed -n '2,11s/^# \{0,1\}//p' "$0"; exit 0 ;;
-    *) fail "unknown argument '$argument'; allowed: --dev, --arm64, --cluster, --list" ;;
+    -h | --help) sed -n '2,12s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    *) fail "unknown argument '$argument'; allowed: --dev, --arm64, --cluster, --browser, --list" ;;
   esac
 done
 

@@ -40,7 +40,7 @@ fi
 
 if [ -z "$tree" ]; then
   say "building"
-  deploy/build.sh release cairn cairn-worker cairn-images cairn-sim cairn-reproduce
+  deploy/build.sh release cairn cairn-worker cairn-page cairn-images cairn-sim cairn-reproduce
   tree=$root/build/release
 fi
 umask 022
@@ -99,7 +99,7 @@ pages_and_completion() {
   gzip -9n "$share"/man/man1/*
   fill deploy/package/cairn.bash >"$bash/cairn"
   fill deploy/package/cairn.zsh >"$zsh/_cairn"
-  for program in cairn-worker cairn-reproduce cairn-sim; do ln -s cairn "$bash/$program"; done
+  for program in cairn-worker cairn-page cairn-reproduce cairn-sim; do ln -s cairn "$bash/$program"; done
 }
 
 # papers STAGE PACKAGE: what Debian demands of each.

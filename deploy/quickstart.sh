@@ -29,7 +29,7 @@ cairn=build/release/bin/cairn
 
 deploy/install.sh
 say "building"
-deploy/build.sh release cairn cairn-worker cairn-images
+deploy/build.sh release cairn cairn-worker cairn-page cairn-images
 
 name=mine
 if [ -z "$log" ]; then

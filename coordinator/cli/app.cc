@@ -28,6 +28,7 @@ void AddCommands(Command app, Invocation& call) {
   AddExport(app, call);
   AddDiff(app, call);
   AddWorker(app, call);
+  AddPage(app, call);
   AddSubmit(app, call);
   AddJobs(app, call);
   AddWatch(app, call);
@@ -42,27 +43,28 @@ void AddCommands(Command app, Invocation& call) {
 }
 
 // Over TCP the keys are those in the folder of keys, where nobody says otherwise.
-void AddKeyArguments(std::vector<std::string>& words) {
+void AddKeyArguments(std::vector<std::string>& words, const char* key) {
   const auto any = [&words](const char* what) {
     return std::ranges::any_of(words, [what](const std::string& word) { return word.starts_with(what); });
   };
   const bool tcp =
       std::ranges::any_of(words, [](const std::string& w) { return w.find("tcp://") != std::string::npos; });
-  if (tcp && !any("--key")) words.push_back("--key=" + DefaultKey("worker.key"));
+  if (tcp && !any("--key")) words.push_back("--key=" + DefaultKey(key));
   if (tcp && !any("--server-key")) words.push_back("--server-key=" + DefaultKey("coordinator.pub"));
 }
 
-// `cairn worker …` becomes cairn-worker: the science stays out of this process. Without --connect it looks
-// for the coordinator where `cairn coordinator` listens when nobody says otherwise.
-int BecomeWorker(int argc, char** argv) {
-  std::vector<std::string> words = {WorkerProgram()};
+// `cairn worker …` becomes cairn-worker: the science stays out of this process; and `cairn page …`
+// cairn-page, HTTP does. Without --connect it looks for the coordinator where `cairn coordinator` listens
+// when nobody says otherwise.
+int Become(const std::string& program, const char* key, int argc, char** argv) {
+  std::vector<std::string> words = {program};
   for (int i = 2; i < argc; ++i) words.emplace_back(argv[i]);
   const bool elsewhere = std::ranges::any_of(words, [](const std::string& word) {
     return word.starts_with("--connect") || word == "--help" || word == "-h" || word == "--describe" ||
            word == "--version";
   });
   if (!elsewhere) words.push_back("--connect=" + DefaultEndpoint());
-  AddKeyArguments(words);
+  AddKeyArguments(words, key);
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
@@ -81,7 +83,10 @@ std::string PipelineAskedAbout(int argc, char** argv) {
 
 std::function<int()> Instead(int argc, char** argv) {
   const std::vector<std::string_view> words(argv + 1, argv + argc);
-  if (!words.empty() && words[0] == "worker") return [argc, argv] { return BecomeWorker(argc, argv); };
+  if (!words.empty() && words[0] == "worker")
+    return [argc, argv] { return Become(WorkerProgram(), "worker.key", argc, argv); };
+  if (!words.empty() && words[0] == "page")
+    return [argc, argv] { return Become(PageProgramPath(), "client.key", argc, argv); };
   const bool help =
       std::ranges::find(words, "--help") != words.end() || std::ranges::find(words, "-h") != words.end();
   const std::string pipeline = help ? PipelineAskedAbout(argc, argv) : "";

@@ -111,6 +111,7 @@ class Run {
   void EndHub() { server_.reset(); }
 
  private:
+  std::string Endpoint() const { return "ipc://" + (socket_folder_->path() / "hub").string(); }
   fs::path ResultFile(const std::string& stage) const { return fs::path(options_.dir) / (stage + ".h5"); }
   // Stages of the run that `force` replaces, while their results are still there.
   fs::path ReplacedFile() const { return folder_.dir() / "replaced"; }
@@ -240,8 +241,7 @@ Status Run::Open() {
   Result<PrivateFolder> socket_folder = PrivateFolder::Make();
   if (!socket_folder.ok()) return socket_folder.status();
   socket_folder_.emplace(std::move(socket_folder).value());
-  Result<std::unique_ptr<Transport>> transport =
-      ListenZmq("ipc://" + (socket_folder_->path() / "hub").string());
+  Result<std::unique_ptr<Transport>> transport = ListenZmq(Endpoint());
   if (!transport.ok()) return transport.status();
   transport_ = std::move(transport).value();
   Result<JobTable> table = OpenJobTable(folder_, options_.log);
@@ -339,14 +339,14 @@ EmbeddedResult Run::Do(const std::function<void(const EmbeddedProgress&)>& on_pr
     return *found;
   }
   const wire::SharedMemory shared = ShareInputs();
-  WorkerPool workers({options_.worker_program, "ipc://" + (socket_folder_->path() / "hub").string(),
-                      options_.workers, 5, folder_.dir() / "workers.log", options_.task_memory_mb,
-                      shared.descriptor()});
+  WorkerPool workers({options_.worker_program, Endpoint(), options_.workers, 5, folder_.dir() / "workers.log",
+                      options_.task_memory_mb, shared.descriptor()});
   if (const Status status = workers.Start(); !status.ok()) return End(EmbeddedEnd::kFailed, status.message());
   if (Known() == nullptr)
     server_->Submit(kJobId, job_, inputs_);
   else
     server_->GoOn(kJobId);
+  if (options_.when_listening) options_.when_listening(Endpoint());
   Loop(workers, on_progress, stop);
   server_->Shut(options_.save_patience_s);
   RemoveReplaced();

@@ -31,6 +31,8 @@ struct EmbeddedOptions {
   std::uint64_t memory_bytes = 4ull << 30;
   std::uint64_t task_memory_mb = 0;  // that a task may take, whatever the job says; 0: the job's limit alone
   LogSink log;                       // may be empty
+  // Called with the endpoint at which clients may ask, once the job is there. May be empty, and may throw.
+  std::function<void(const std::string&)> when_listening;
   // Called once the run is done (kDone, kAlreadyDone), while the folder is still this run's alone: for what
   // is written beside the results. May be empty, and may throw.
   std::function<void(const struct EmbeddedResult&)> when_done;

@@ -24,7 +24,7 @@ refuses "export: there is no 'foo'" cairn help export foo
 exits 0 cairn help run landmark_map
 refuses "there is no pipeline 'landmrk_map'; did you mean 'landmark_map'" cairn run landmrk_map --help
 for command in 'cairn --help' 'cairn --version' 'cairn help run' 'cairn run --help' 'cairn-worker --help' \
-  'cairn-worker --version' 'cairn-worker --describe' 'cairn-sim --help' 'cairn-sim --seeds 1'; do
+  'cairn-worker --version' 'cairn-worker --describe' 'cairn page --help' 'cairn-page --version' 'cairn-sim --help' 'cairn-sim --seeds 1'; do
   code=0
   $command >/dev/full 2>stderr || code=$?
   [ "$code" -eq 1 ] || die "exit code $code, not 1, where nothing can be written: $command"
@@ -33,7 +33,7 @@ done
 for command in $commands; do
   exits 0 cairn "$command" --help
   says 'xample'
-  [ "$command" = worker ] || refuses 'no-such-option|required' cairn "$command" --no-such-option
+  [[ $command =~ ^(worker|page)$ ]] || refuses 'no-such-option|required' cairn "$command" --no-such-option
 done
 
 # Whatever says facts says them for programs, too; those of `keys` and of `scale` are in their commands.

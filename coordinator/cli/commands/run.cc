@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <thread>
 
 #include "coordinator/cli/commands/first_stage.h"
 #include "coordinator/cli/commands/on_slurm.h"
+#include "coordinator/cli/commands/run_page.h"
 #include "coordinator/cli/commands/run_summary.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
@@ -158,6 +160,9 @@ int RunJob(const RunArguments& options, ParsedJob parsed, const Invocation& call
   if (!options.force) CheckPagesAreOurs(embedded.dir, stages, std::nullopt);
   Console console(call);
   embedded.log = console.Sink();
+  std::optional<RunPage> page;
+  if (options.page)
+    embedded.when_listening = [&](const std::string& endpoint) { page.emplace(endpoint, embedded.dir); };
   RunSummary summary;
   embedded.when_done = [&](const coordinator::EmbeddedResult& done) {
     console.Clear();
@@ -199,6 +204,8 @@ void AddRunArguments(Command command, RunArguments& arguments) {
       .Within(std::uint64_t{0}, std::uint64_t{1'000'000'000});
   command.AddFlag("--force", arguments.force, "Forget what an earlier run left in the folder");
   command.AddFlag("--json", arguments.json, "The summary, or the plan, as JSON");
+  command.AddFlag("--page", arguments.page,
+                  "Show it in a browser while it runs, to whoever opens the link that is printed");
 }
 
 void AddRun(Command app, Invocation& call) {

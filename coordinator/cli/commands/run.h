@@ -19,6 +19,7 @@ struct RunArguments {
   double checkpoint_interval_s = coordinator::EmbeddedOptions().checkpoint_interval_s;
   std::uint64_t checkpoint_rounds = 0;
   bool force = false, units_are_right = false, json = false;
+  bool page = false;
 
   static int MostWorkers();  // as many as there are cores
 };

@@ -39,6 +39,7 @@ void AddRun(Command app, Invocation& call);
 void AddMap(Command app, Invocation& call);
 void AddCoordinator(Command app, Invocation& call);
 void AddWorker(Command app, Invocation& call);
+void AddPage(Command app, Invocation& call);
 void AddSubmit(Command app, Invocation& call);
 void AddJobs(Command app, Invocation& call);         // list, status, watch, results
 void AddJobCommands(Command app, Invocation& call);  // pause, resume, cancel, retry, delete, priority

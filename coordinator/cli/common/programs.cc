@@ -56,6 +56,10 @@ std::string ImagesProgram() {
   return ProgramBesideThis("cairn-images", " (Debian: the package cairn-images)");
 }
 
+std::string PageProgramPath() { return ProgramBesideThis("cairn-page"); }
+
+std::string CairnProgram() { return ProgramBesideThis("cairn"); }
+
 std::string OutputOf(const std::string& program, const std::vector<std::string>& arguments) {
   std::vector<char*> argv = {const_cast<char*>(program.c_str())};
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));

@@ -10,8 +10,10 @@ namespace cairn::cli {
 // Throws WorldError where there is none.
 std::string WorkerProgram();
 
-// The same of cairn-images.
+// The same of cairn-images, of cairn-page, and of cairn itself.
 std::string ImagesProgram();
+std::string PageProgramPath();
+std::string CairnProgram();
 
 // What `program arguments…` prints on stdout.
 // Throws WorldError where it cannot be run or fails.

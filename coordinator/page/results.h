@@ -1,0 +1,62 @@
+// Results of jobs in a folder of the page's own: `cairn results` fetches them and makes the report and the
+// pictures, in a process of its own, so that nothing of what a result holds is read in this one.
+#pragma once
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "coordinator/page/errands.h"
+#include "coordinator/page/source.h"
+
+namespace cairn::page {
+
+struct ResultsOptions {
+  std::string program;               // the path of `cairn`
+  std::vector<std::string> service;  // its options that say which coordinator: --connect …
+  std::filesystem::path
+      folder;  // for the cache: a folder that nobody else may enter; what earlier processes left there goes
+};
+
+class ResultsCache {
+ public:
+  using Then = std::function<void(const FetchedResults&)>;
+  static constexpr std::size_t kMostKept = 20;
+
+  explicit ResultsCache(ResultsOptions options);
+  ~ResultsCache();
+  ResultsCache(const ResultsCache&) = delete;
+  ResultsCache& operator=(const ResultsCache&) = delete;
+
+  void Fetch(const std::string& job, std::uint32_t stages_done, Then then);
+  std::shared_ptr<const FetchedResults> Fetched(const std::string& job, std::uint32_t stages_done);
+
+ private:
+  std::string Run(const std::string& job, const std::filesystem::path& folder);
+  void Do(const std::string& key, const std::string& job);
+  void Keep(const std::string& key, const std::shared_ptr<const FetchedResults>& fetched);
+
+  ResultsOptions options_;
+  std::filesystem::path folder_;  // of this process, locked while it lives
+  int lock_ = -1;
+  std::atomic<pid_t> running_ = 0;
+  std::atomic<bool> ending_ = false;
+
+  std::mutex mutex_;  // of all below
+  std::map<std::string, std::shared_ptr<const FetchedResults>> kept_;
+  std::deque<std::string> order_;  // of those kept, the oldest first
+  std::map<std::string, std::vector<Then>> awaited_;
+  std::uint64_t folders_ = 0;
+
+  Errands errands_{32};  // the last to begin, the first to end
+};
+
+}  // namespace cairn::page

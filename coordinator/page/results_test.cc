@@ -1,0 +1,121 @@
+#include "coordinator/page/results.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <future>
+#include <sstream>
+
+namespace cairn::page {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A script in the place of `cairn`.
+class ResultsTest : public ::testing::Test {
+ protected:
+  ResultsTest() {
+    std::string pattern = (fs::temp_directory_path() / "cairn-page-test-XXXXXX").string();
+    base_ = ::mkdtemp(pattern.data());
+  }
+  ~ResultsTest() override {
+    cache_.reset();
+    fs::remove_all(base_);
+  }
+  // `does`: in the folder of the results, as $OUT; the words that it was called with are in $base/words.
+  void Make(const std::string& does) {
+    const fs::path program = base_ / "cairn";
+    std::ofstream(program) << "#!/bin/sh\necho \"$@\" >>'" << base_.string() << "/words'\nOUT=$3\n"
+                           << does << "\n";
+    fs::permissions(program, fs::perms::owner_all);
+    cache_ = std::make_unique<ResultsCache>(ResultsOptions{
+        .program = program.string(), .service = {"--connect=ipc:///x/y"}, .folder = base_ / "cache"});
+  }
+  FetchedResults Fetch(const std::string& job, std::uint32_t stages = 1) {
+    std::promise<FetchedResults> promise;
+    cache_->Fetch(job, stages, [&](const FetchedResults& fetched) { promise.set_value(fetched); });
+    return promise.get_future().get();
+  }
+  std::string Words() const {
+    std::stringstream text;
+    text << std::ifstream(base_ / "words").rdbuf();
+    return text.str();
+  }
+
+  fs::path base_;
+  std::unique_ptr<ResultsCache> cache_;
+};
+
+constexpr const char* kLeavesResults =
+    "mkdir -p \"$OUT\" && cd \"$OUT\" && touch b.h5 a.h5 report.html picture.png";
+
+TEST_F(ResultsTest, AreFetchedOnceAJobAndStage) {
+  Make(kLeavesResults);
+  EXPECT_EQ(cache_->Fetched("1-a", 1), nullptr);
+  const FetchedResults fetched = Fetch("1-a");
+  EXPECT_EQ(fetched.trouble, "");
+  EXPECT_EQ(fetched.files.stages, (std::vector<std::string>{"a", "b"}));
+  EXPECT_TRUE(fetched.files.has_report);
+  EXPECT_EQ(fetched.picture, "picture.png");
+  EXPECT_TRUE(fs::exists(fetched.folder / "report.html"));
+  EXPECT_EQ(Fetch("1-a").folder, fetched.folder);
+  ASSERT_NE(cache_->Fetched("1-a", 1), nullptr);
+  EXPECT_NE(Fetch("1-a", 2).folder, fetched.folder) << "another stage is done";
+  const std::string words = Words();
+  EXPECT_EQ(std::count(words.begin(), words.end(), '\n'), 2) << words;
+  EXPECT_TRUE(words.starts_with("results --out ")) << words;
+  EXPECT_NE(words.find(" --connect=ipc:///x/y -- 1-a\n"), std::string::npos)
+      << "an id is never taken for an option";
+}
+
+TEST_F(ResultsTest, WhyThereAreNoneIsASentenceAndItIsTriedAgain) {
+  Make("echo 'cairn: job 1-a has no results yet' >&2; exit 2");
+  EXPECT_EQ(Fetch("1-a").trouble, "The results could not be fetched: job 1-a has no results yet");
+  EXPECT_EQ(cache_->Fetched("1-a", 1), nullptr);
+  Make(kLeavesResults);
+  EXPECT_EQ(Fetch("1-a").trouble, "");
+  fs::remove(base_ / "cairn");
+  EXPECT_NE(Fetch("2-b").trouble, "");
+}
+
+TEST_F(ResultsTest, WhatCameThoughNotAllDidIsShown) {
+  Make(std::string(kLeavesResults) + "; exit 2");
+  EXPECT_EQ(Fetch("1-a").files.stages.size(), 2u);
+}
+
+TEST_F(ResultsTest, OfManyJobsTheLatestAreKept) {
+  Make(kLeavesResults);
+  const FetchedResults first = Fetch("0-a");
+  for (std::size_t i = 1; i <= ResultsCache::kMostKept; ++i) Fetch(std::to_string(i) + "-a");
+  EXPECT_EQ(cache_->Fetched("0-a", 1), nullptr);
+  EXPECT_FALSE(fs::exists(first.folder));
+  EXPECT_NE(cache_->Fetched("1-a", 1), nullptr);
+}
+
+TEST_F(ResultsTest, TheFolderGoesWithItsProcessAndWithTheNextWhereItWasKilled) {
+  Make(kLeavesResults);
+  const fs::path old = base_ / "cache" / "killed";
+  fs::create_directories(old / "1");
+  const fs::path folder = Fetch("1-a").folder;
+  auto second = std::make_unique<ResultsCache>(
+      ResultsOptions{.program = (base_ / "cairn").string(), .service = {}, .folder = base_ / "cache"});
+  EXPECT_FALSE(fs::exists(old));
+  EXPECT_TRUE(fs::exists(folder)) << "of a process that lives it stays";
+  second.reset();
+  cache_.reset();
+  EXPECT_TRUE(fs::is_empty(base_ / "cache"));
+}
+
+TEST_F(ResultsTest, EndsThoughAFetchHangs) {
+  Make("exec sleep 3600");
+  std::promise<void> ended;
+  cache_->Fetch("1-a", 1, [&](const FetchedResults&) { ended.set_value(); });
+  while (Words().empty()) std::this_thread::yield();
+  cache_.reset();
+  ended.get_future().get();
+}
+
+}  // namespace
+}  // namespace cairn::page

@@ -1,0 +1,346 @@
+#include "coordinator/page/site.h"
+
+#include <algorithm>
+#include <charconv>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "coordinator/page/assets.h"
+#include "coordinator/page/html.h"
+
+namespace cairn::page {
+namespace {
+
+using coordinator::HttpAnswer;
+using coordinator::HttpRequest;
+
+constexpr double kSignOfLife_s = 10;
+constexpr std::size_t kMostMade = 256;
+constexpr const char* kHtml = "text/html; charset=utf-8";
+// A report has its styles and its script within it. They run in an origin of their own, from which they reach
+// nothing: no page of ours, no cookie, no network.
+constexpr const char* kReportPolicy =
+    "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline'; style-src "
+    "'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+constexpr const char* kPagePolicy =
+    "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'; object-src 'none'";
+
+HttpAnswer WithHeaders(HttpAnswer answer, const char* policy = kPagePolicy) {
+  for (const auto& [name, value] : std::initializer_list<std::pair<const char*, const char*>>{
+           {"Content-Security-Policy", policy},
+           {"X-Frame-Options", "DENY"},
+           {"X-Content-Type-Options", "nosniff"},
+           {"Referrer-Policy", "same-origin"},
+           {"Cross-Origin-Opener-Policy", "same-origin"},
+           {"Cross-Origin-Resource-Policy", "same-origin"},
+           {"Cache-Control", "no-store"}})
+    answer.headers.emplace_back(name, value);
+  return answer;
+}
+
+// A page that says one sentence.
+HttpAnswer Sentence(unsigned code, const std::string& title, const std::string& html) {
+  return WithHeaders({.code = code,
+                      .body = Page(title, "<h1>" + Text(title) + "</h1>\n" + html, "", "", ""),
+                      .type = kHtml});
+}
+
+HttpAnswer NotHere() {
+  return Sentence(404, "Not here", "<p>There is no such page. <a href=\"/\">All jobs</a></p>");
+}
+
+HttpAnswer Json(bool ok, const std::string& text) {
+  const nlohmann::json said = {{"ok", ok}, {"text", text}};
+  return WithHeaders({.body = said.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+                      .type = "application/json"});
+}
+
+// In place of a picture that there is not.
+HttpAnswer SentenceAsPicture(const std::string& text) {
+  return WithHeaders(
+      {.body = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 720 60\" width=\"720\" "
+               "height=\"60\"><rect width=\"720\" height=\"60\" fill=\"#fff\"/><text x=\"16\" y=\"36\" "
+               "fill=\"#17212b\" font-family=\"sans-serif\" font-size=\"15\">" +
+               Text(text) + "</text></svg>",
+       .type = "image/svg+xml"});
+}
+
+View ViewOf(const std::string& path, const HttpRequest& request) {
+  if (path == "/workers") return {.kind = View::Kind::kWorkers};
+  const std::string jobs = "/jobs/";
+  if (path.starts_with(jobs)) return {.kind = View::Kind::kJob, .job = path.substr(jobs.size())};
+  View view{.search = request.Query("q").substr(0, 200), .state = request.Query("state").substr(0, 20)};
+  const std::string page = request.Query("page");
+  std::from_chars(page.data(), page.data() + page.size(), view.page);
+  view.page = std::clamp<std::uint64_t>(view.page, 1, 1'000'000);
+  return view;
+}
+
+std::string EventsOf(const View& view) {
+  const std::string address = view.Address();
+  if (view.kind != View::Kind::kJobs) return "/events?for=" + address;
+  return "/events?for=/" + (address.size() > 1 ? "&" + address.substr(2) : "");
+}
+
+// "event: parts\ndata: {…}\n\n"
+std::string EventText(const char* event, const std::string& data) {
+  std::string text = std::string("event: ") + event + "\ndata: ";
+  for (const char c : data) text += c == '\n' ? ' ' : c;
+  return text + "\n\n";
+}
+
+std::string LoginForm(const std::string& why) {
+  return (why.empty() ? "" : "<p class=\"advice bad\">" + Text(why) + "</p>\n") +
+         "<form class=\"login\" method=\"post\" action=\"/login\">\n<label>Password <input type=\"password\" "
+         "name=\"password\" autocomplete=\"current-password\" required autofocus></label>\n"
+         "<button>Sign in</button>\n</form>\n";
+}
+
+// The cookie is sent to no page that another site's link leads to, so this one leads there.
+HttpAnswer Welcome(const std::string& cookie) {
+  HttpAnswer answer = Sentence(200, "Signed in", "<p><a href=\"/\">To the jobs</a></p>");
+  const std::string head = "<head>";
+  answer.body.insert(answer.body.find(head) + head.size(),
+                     "<meta http-equiv=\"refresh\" content=\"0;url=/\">");
+  answer.headers.emplace_back("Set-Cookie", cookie);
+  return answer;
+}
+
+}  // namespace
+
+// Sends of a page what has changed since it was sent.
+class PartsStream : public coordinator::HttpStream {
+ public:
+  PartsStream(std::shared_ptr<Site> site, View view) : site_(std::move(site)), view_(std::move(view)) {}
+
+  std::string Next() override {
+    if (over_) return "";
+    if (const std::string farewell = site_->Farewell(); !farewell.empty()) {
+      over_ = true;
+      return EventText("over", farewell);
+    }
+    site_->source_->Look(view_.job, nullptr);
+    const double now_s = site_->now_s_();
+    const std::shared_ptr<const Parts> parts = site_->PartsFor(view_);
+    nlohmann::json changed = nlohmann::json::object(), order = nlohmann::json::array();
+    for (const auto& [id, html] : *parts) {
+      order.push_back(id);
+      const std::size_t hash = std::hash<std::string>()(html);
+      if (const auto [sent, first] = sent_.try_emplace(id, hash); first || sent->second != hash) {
+        sent->second = hash;
+        changed[id] = html;
+      }
+    }
+    if (changed.empty() && order == order_) {
+      if (now_s - said_s_ < kSignOfLife_s) return "";
+      said_s_ = now_s;
+      return ": still here\n\n";
+    }
+    order_ = order;
+    said_s_ = now_s;
+    const nlohmann::json event = {{"order", order}, {"parts", changed}};
+    return EventText("parts", event.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  }
+  bool is_over() const override { return over_; }
+
+ private:
+  std::shared_ptr<Site> site_;
+  View view_;
+  std::map<std::string, std::size_t> sent_;
+  nlohmann::json order_;
+  double said_s_ = 0;
+  bool over_ = false;
+};
+
+Site::Site(SiteOptions options, Entrance entrance, std::shared_ptr<Source> source,
+           std::function<double()> now_s)
+    : options_(std::move(options)),
+      entrance_(std::move(entrance)),
+      source_(std::move(source)),
+      now_s_(std::move(now_s)) {}
+
+void Site::End(const std::string& why) {
+  const std::lock_guard lock(mutex_);
+  farewell_ = why;
+}
+
+std::string Site::Farewell() {
+  const std::lock_guard lock(mutex_);
+  return farewell_;
+}
+
+void Site::Answer(const HttpRequest& request, const Reply& reply) {
+  if (const std::string wrong = entrance_.WhatIsWrongWithHost(request); !wrong.empty())
+    return reply->Send(Sentence(421, "Another address", "<p>" + Text(wrong) + ".</p>"));
+  const bool reads = request.method == "GET" || request.method == "HEAD";
+  if (!reads && request.method != "POST") {
+    HttpAnswer refusal = Sentence(405, "Not so", "<p>GET and POST alone.</p>");
+    refusal.headers.emplace_back("Allow", "GET, HEAD, POST");
+    return reply->Send(std::move(refusal));
+  }
+  for (const Asset& asset : Assets())
+    if (reads && request.path == "/" + std::string(asset.name) && asset.name != "page.html")
+      return reply->Send(WithHeaders({.body = std::string(asset.bytes), .type = std::string(asset.type)}));
+  if (!reads && !entrance_.IsOurOwn(request))
+    return reply->Send(Sentence(403, "Not from here", "<p>Another site's page sent this.</p>"));
+  if (!entrance_.Knows(request, now_s_())) return AnswerStranger(request, reply);
+  if (!reads) return AnswerPost(request, reply);
+  AnswerGet(request, reply);
+}
+
+void Site::AnswerStranger(const HttpRequest& request, const Reply& reply) {
+  const std::string token = request.Query("token");
+  if (request.path == "/" && !token.empty())
+    if (const auto cookie = entrance_.TakeToken(token, now_s_())) return reply->Send(Welcome(*cookie));
+  std::string why = token.empty() ? "" : "this link was used already, or is of an earlier start";
+  if (request.path == "/login" && request.method == "POST") {
+    const Result<std::string> cookie = entrance_.TakePassword(FormValues(request.body)["password"], now_s_());
+    if (cookie.ok()) return reply->Send(Welcome(cookie.value()));
+    why = cookie.status().message();
+    return reply->Send(
+        Sentence(cookie.status().code() == Code::kBusy ? 429 : 401, "Not let in", LoginForm(why)));
+  }
+  std::string html =
+      "<p>" + (why.empty() ? "" : Text(why) + ". ") +
+      "Open the link that “cairn page” printed where it was started: each works once, and then it prints "
+      "the next.</p>\n";
+  if (entrance_.has_password()) html += LoginForm("");
+  reply->Send(Sentence(401, "Not let in", html));
+}
+
+void Site::AnswerGet(const HttpRequest& request, const Reply& reply) {
+  const std::string& path = request.path;
+  if (path == "/events") return AnswerEvents(request, reply);
+  if (path == "/" || path == "/workers") {
+    source_->Look("", [self = shared_from_this(), view = ViewOf(path, request), reply] {
+      reply->Send(self->PageOf(view));
+    });
+    return;
+  }
+  const std::string jobs = "/jobs/";
+  if (!path.starts_with(jobs)) return reply->Send(NotHere());
+  const std::string rest = path.substr(jobs.size());
+  const std::size_t slash = std::min(rest.find('/'), rest.size());
+  AnswerJob(rest.substr(0, slash), rest.substr(slash), reply);
+}
+
+// Nothing but what is on the list of jobs leads any further, to a file or to the coordinator.
+void Site::AnswerJob(const std::string& job, const std::string& what, const Reply& reply) {
+  source_->Look(job, [self = shared_from_this(), job, what, reply] {
+    if (what.empty()) return reply->Send(self->PageOf({.kind = View::Kind::kJob, .job = job}));
+    const FactsPtr facts = self->source_->Latest();
+    if (facts->Find(job) == nullptr) return reply->Send(NotHere());
+    if (what != "/log.txt") return self->AnswerFile(job, what, reply);
+    std::string text;
+    if (const HistoryPtr history = self->source_->HistoryOf(job))
+      for (const wire::LogLine& line : history->lines())
+        text += line.utc() + "  " + (line.level() == "info" ? "" : line.level() + ": ") + line.text() + "\n";
+    reply->Send(WithHeaders({.body = std::move(text)}));
+  });
+}
+
+void Site::AnswerFile(const std::string& job, const std::string& what, const Reply& reply) {
+  const bool picture = what == "/picture", report = what == "/report";
+  const std::string files = "/files/";
+  if (!picture && !report && !what.starts_with(files)) return reply->Send(NotHere());
+  const std::uint32_t stages = StagesDone(*source_->Latest()->Find(job));
+  const std::string file = what.starts_with(files) ? what.substr(files.size()) : "";
+  source_->FetchResults(job, stages, [picture, report, file, reply](const FetchedResults& fetched) {
+    if (picture) {
+      if (!fetched.trouble.empty() || fetched.picture.empty())
+        return reply->Send(
+            SentenceAsPicture(fetched.trouble.empty() ? "This result has no picture." : fetched.trouble));
+      return reply->Send(WithHeaders({.type = "image/png", .file = fetched.folder / fetched.picture}));
+    }
+    if (!fetched.trouble.empty())
+      return reply->Send(Sentence(404, "No result", "<p>" + Text(fetched.trouble) + "</p>"));
+    if (report && fetched.files.has_report)
+      return reply->Send(WithHeaders({.type = kHtml, .file = fetched.folder / "report.html"}, kReportPolicy));
+    for (const std::string& stage : fetched.files.stages) {
+      if (file != stage + ".h5") continue;
+      HttpAnswer answer{.type = "application/x-hdf5", .file = fetched.folder / file};
+      answer.headers.emplace_back("Content-Disposition",
+                                  "attachment; filename=\"" + UrlPart(stage) + ".h5\"");
+      return reply->Send(WithHeaders(std::move(answer)));
+    }
+    reply->Send(report ? Sentence(404, "No report", "<p>Results of this kind have no report.</p>")
+                       : NotHere());
+  });
+}
+
+void Site::AnswerPost(const HttpRequest& request, const Reply& reply) {
+  if (request.Header("x-cairn") != "page")
+    return reply->Send(Json(false, "This was not sent by a page of Cairn's."));
+  if (request.path == "/logout") {
+    entrance_.Forget(request);
+    return reply->Send(Json(true, "Signed out."));
+  }
+  const std::string jobs = "/jobs/";
+  const std::size_t slash = request.path.rfind('/');
+  const wire::JobInfo* job = nullptr;
+  const FactsPtr facts = source_->Latest();
+  std::string id, action;
+  if (request.path.starts_with(jobs) && slash > jobs.size()) {
+    id = request.path.substr(jobs.size(), slash - jobs.size());
+    action = request.path.substr(slash + 1);
+    job = facts->Find(id);
+  }
+  if (job == nullptr) return reply->Send(Json(false, "There is no such job any more."));
+  if (options_.read_only)
+    return reply->Send(Json(false, "This page shows jobs, and commands none (--read-only)."));
+  const std::vector<std::string> all = {"pause", "resume", "cancel", "retry", "delete", "priority"};
+  if (std::ranges::find(all, action) == all.end())
+    return reply->Send(Json(false, "There is no such command."));
+  int priority = 0;
+  const std::string wanted = FormValues(request.body)["priority"];
+  const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), priority);
+  if (action == "priority" && (error != std::errc() || end != wanted.data() + wanted.size()))
+    return reply->Send(Json(false, "A priority is a whole number."));
+  source_->Command(id, action, priority,
+                   [reply](const CommandOutcome& outcome) { reply->Send(Json(outcome.ok, outcome.text)); });
+}
+
+void Site::AnswerEvents(const HttpRequest& request, const Reply& reply) {
+  reply->Send(WithHeaders(
+      {.type = "text/event-stream",
+       .stream = std::make_shared<PartsStream>(shared_from_this(), ViewOf(request.Query("for"), request))}));
+}
+
+bool Site::MayCommand(const wire::JobInfo* job) const { return job != nullptr && !options_.read_only; }
+
+HttpAnswer Site::PageOf(const View& view) {
+  const FactsPtr facts = source_->Latest();
+  const std::shared_ptr<const Parts> parts = PartsFor(view);
+  const std::string notice = parts->front().second;
+  std::string main = "<div id=\"parts\">\n" + PartsHtml(*parts) + "</div>\n";
+  if (view.kind == View::Kind::kWorkers) main = "<h1>Workers</h1>\n" + main;
+  if (view.kind == View::Kind::kJobs) main = "<h1>Jobs</h1>\n" + FilterForm(view) + main;
+  const bool gone = view.kind == View::Kind::kJob && facts->known && facts->Find(view.job) == nullptr;
+  return WithHeaders({.code = gone ? 404u : 200u,
+                      .body = Page(TitleOf(view, *facts), main, notice, EventsOf(view), options_.foot),
+                      .type = kHtml});
+}
+
+std::shared_ptr<const Parts> Site::PartsFor(const View& view) {
+  const FactsPtr facts = source_->Latest();
+  const bool of_job = view.kind == View::Kind::kJob;
+  const wire::JobInfo* job = of_job ? facts->Find(view.job) : nullptr;
+  const HistoryPtr history = job != nullptr ? source_->HistoryOf(view.job) : nullptr;
+  const auto fetched = job != nullptr ? source_->Fetched(view.job, StagesDone(*job)) : nullptr;
+  const std::string key = view.Address();
+  const std::lock_guard lock(mutex_);
+  if (const auto made = made_.find(key); made != made_.end() && made->second.of == facts &&
+                                         made->second.history == history &&
+                                         made->second.fetched == (fetched != nullptr))
+    return made->second.parts;
+  if (made_.size() >= kMostMade) made_.clear();
+  auto parts = std::make_shared<const Parts>(PartsOf(view, {.facts = *facts,
+                                                            .history = history,
+                                                            .results = fetched ? &fetched->files : nullptr,
+                                                            .may_command = MayCommand(job)}));
+  made_[key] = {facts, history, fetched != nullptr, parts};
+  return parts;
+}
+
+}  // namespace cairn::page

@@ -1,0 +1,64 @@
+// What is answered to each request: who may, which page, and with which headers.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "coordinator/http/http_server.h"
+#include "coordinator/page/entrance.h"
+#include "coordinator/page/source.h"
+#include "coordinator/page/views.h"
+
+namespace cairn::page {
+
+struct SiteOptions {
+  bool read_only = false;  // nobody commands a job from here
+  std::string foot = {};   // under each page: whose coordinator it shows
+};
+
+class Site : public std::enable_shared_from_this<Site> {
+ public:
+  // `now_s`: a clock that never goes back.
+  Site(SiteOptions options, Entrance entrance, std::shared_ptr<Source> source, std::function<double()> now_s);
+
+  // On the thread of the server.
+  void Answer(const coordinator::HttpRequest& request, const std::shared_ptr<coordinator::HttpReply>& reply);
+
+  // From now on streams end with this sentence.
+  void End(const std::string& why);
+
+ private:
+  friend class PartsStream;
+  using Reply = std::shared_ptr<coordinator::HttpReply>;
+
+  void AnswerStranger(const coordinator::HttpRequest& request, const Reply& reply);
+  void AnswerGet(const coordinator::HttpRequest& request, const Reply& reply);
+  void AnswerJob(const std::string& job, const std::string& what, const Reply& reply);
+  void AnswerFile(const std::string& job, const std::string& what, const Reply& reply);
+  void AnswerPost(const coordinator::HttpRequest& request, const Reply& reply);
+  void AnswerEvents(const coordinator::HttpRequest& request, const Reply& reply);
+  coordinator::HttpAnswer PageOf(const View& view);
+  std::shared_ptr<const Parts> PartsFor(const View& view);
+  bool MayCommand(const wire::JobInfo* job) const;
+  std::string Farewell();
+
+  SiteOptions options_;
+  Entrance entrance_;
+  std::shared_ptr<Source> source_;
+  std::function<double()> now_s_;
+
+  struct Made {
+    FactsPtr of;
+    HistoryPtr history;
+    bool fetched;
+    std::shared_ptr<const Parts> parts;
+  };
+  std::mutex mutex_;                  // of all below
+  std::map<std::string, Made> made_;  // by the address of the page: made once for all who look on
+  std::string farewell_;
+};
+
+}  // namespace cairn::page

@@ -1,0 +1,348 @@
+#include "coordinator/page/site.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "coordinator/page/assets.h"
+
+namespace cairn::page {
+namespace {
+
+using coordinator::HttpAnswer;
+using coordinator::HttpRequest;
+
+class FakeSource : public Source {
+ public:
+  FactsPtr Latest() override { return facts; }
+  HistoryPtr HistoryOf(const std::string&) override { return history; }
+  void Look(const std::string& job, std::function<void()> then) override {
+    looks.push_back(job);
+    if (then) then();
+  }
+  void Command(const std::string& job, const std::string& action, int priority,
+               std::function<void(const CommandOutcome&)> then) override {
+    commands.push_back(job + " " + action + " " + std::to_string(priority));
+    then(outcome);
+  }
+  void FetchResults(const std::string& job, std::uint32_t stages,
+                    std::function<void(const FetchedResults&)> then) override {
+    fetched.push_back(job + " " + std::to_string(stages));
+    then(results);
+  }
+  std::shared_ptr<const FetchedResults> Fetched(const std::string&, std::uint32_t) override {
+    return nullptr;
+  }
+
+  FactsPtr facts = std::make_shared<Facts>();
+  HistoryPtr history;
+  CommandOutcome outcome{true, "1-hall is paused."};
+  FetchedResults results{
+      .folder = "/cache/1", .files = {.stages = {"map"}, .has_report = true}, .picture = "map.png"};
+  std::vector<std::string> looks, commands, fetched;
+};
+
+class Kept : public coordinator::HttpReply {
+ public:
+  void Send(HttpAnswer told) override {
+    EXPECT_FALSE(answer) << "answered twice";
+    answer = std::move(told);
+  }
+  std::optional<HttpAnswer> answer;
+};
+
+wire::JobInfo Hall(const std::string& name = "hall", const std::string& state = "running") {
+  wire::JobInfo job;
+  job.set_id("1-hall");
+  job.set_name(name);
+  job.set_state(state);
+  job.set_stages(2);
+  job.set_stage(1);
+  job.set_stage_name("map");
+  return job;
+}
+
+class SiteTest : public ::testing::Test {
+ protected:
+  SiteTest() { Make({}); }
+  void Make(const SiteOptions& options, const std::string& password = "") {
+    site_ = std::make_shared<Site>(options,
+                                   Entrance({.address = "127.0.0.1:8080", .proxy = "", .password = password},
+                                            [this](const std::string& link) { link_ = link; }),
+                                   source_, [this] { return now_s_; });
+    const HttpAnswer welcome = Ask("GET", "/", {{"token", link_.substr(link_.find('=') + 1)}});
+    for (const auto& [name, value] : welcome.headers)
+      if (name == "Set-Cookie") cookie_ = value.substr(0, value.find(';'));
+    Know({Hall()});
+  }
+  void Know(std::vector<wire::JobInfo> jobs, const std::string& trouble = "") {
+    auto facts = std::make_shared<Facts>();
+    facts->number = source_->facts->number + 1;
+    facts->known = true;
+    facts->list.jobs = std::move(jobs);
+    facts->utc = "12:00:00 UTC";
+    facts->trouble = trouble;
+    source_->facts = facts;
+  }
+  HttpAnswer Ask(const std::string& method, const std::string& path,
+                 std::map<std::string, std::string> query = {},
+                 std::map<std::string, std::string> headers = {}, const std::string& body = "") {
+    HttpRequest request{.method = method,
+                        .path = path,
+                        .query = std::move(query),
+                        .headers = std::move(headers),
+                        .body = body};
+    request.headers.try_emplace("host", "127.0.0.1:8080");
+    request.headers.try_emplace("cookie", cookie_);
+    const auto reply = std::make_shared<Kept>();
+    site_->Answer(request, reply);
+    EXPECT_TRUE(reply->answer) << path;
+    return *reply->answer;
+  }
+  HttpAnswer Get(const std::string& path) { return Ask("GET", path); }
+  nlohmann::json Post(const std::string& path, const std::string& body = "") {
+    return nlohmann::json::parse(Ask("POST", path, {}, {{"x-cairn", "page"}}, body).body);
+  }
+  static std::string HeaderOf(const HttpAnswer& answer, const std::string& name) {
+    for (const auto& [known, value] : answer.headers)
+      if (known == name) return value;
+    return "";
+  }
+
+  std::string link_, cookie_;
+  double now_s_ = 0;
+  std::shared_ptr<FakeSource> source_ = std::make_shared<FakeSource>();
+  std::shared_ptr<Site> site_;
+};
+
+TEST_F(SiteTest, AStrangerSeesNothingAndDoesNothing) {
+  cookie_ = "";
+  for (const char* path :
+       {"/", "/workers", "/jobs/1-hall", "/jobs/1-hall/log.txt", "/jobs/1-hall/report", "/events", "/x"}) {
+    const HttpAnswer answer = Get(path);
+    EXPECT_EQ(answer.code, 401u) << path;
+    EXPECT_EQ(answer.body.find("hall"), std::string::npos) << path;
+    EXPECT_NE(answer.body.find("cairn page"), std::string::npos) << "what to do is said";
+  }
+  EXPECT_EQ(Ask("POST", "/jobs/1-hall/cancel", {}, {{"x-cairn", "page"}}).code, 401u);
+  EXPECT_EQ(Ask("GET", "/", {{"token", "wrong"}}).code, 401u);
+  EXPECT_TRUE(source_->looks.empty()) << "the coordinator is not even asked";
+  EXPECT_TRUE(source_->commands.empty());
+  EXPECT_EQ(Get("/page.css").code, 200u);
+}
+
+TEST_F(SiteTest, ALinkLetsInOnceAndLeadsToThePagesOfItself) {
+  const std::string token = link_.substr(link_.find('=') + 1);
+  cookie_ = "";
+  const HttpAnswer welcome = Ask("GET", "/", {{"token", token}});
+  EXPECT_EQ(welcome.code, 200u);
+  EXPECT_NE(HeaderOf(welcome, "Set-Cookie"), "");
+  EXPECT_NE(welcome.body.find("url=/"), std::string::npos);
+  EXPECT_EQ(welcome.body.find(token), std::string::npos);
+  EXPECT_EQ(Ask("GET", "/", {{"token", token}}).code, 401u);
+}
+
+TEST_F(SiteTest, ThePasswordLetsInWhereThereIsOne) {
+  cookie_ = "";
+  EXPECT_EQ(Get("/").body.find("<form"), std::string::npos);
+  Make({}, "correct horse");
+  cookie_ = "";
+  EXPECT_NE(Get("/").body.find("<form class=\"login\""), std::string::npos);
+  EXPECT_EQ(Ask("POST", "/login", {}, {}, "password=wrong").code, 401u);
+  EXPECT_NE(HeaderOf(Ask("POST", "/login", {}, {}, "password=correct+horse"), "Set-Cookie"), "");
+  for (int i = 0; i < 20; ++i) Ask("POST", "/login", {}, {}, "password=wrong");
+  EXPECT_EQ(Ask("POST", "/login", {}, {}, "password=wrong").code, 429u);
+}
+
+TEST_F(SiteTest, EachAnswerForbidsWhatOthersCouldDoWithIt) {
+  for (const char* path :
+       {"/", "/workers", "/jobs/1-hall", "/jobs/1-hall/log.txt", "/jobs/1-hall/report",
+        "/jobs/1-hall/picture", "/jobs/1-hall/files/map.h5", "/events", "/page.js", "/nothing"}) {
+    const HttpAnswer answer = Get(path);
+    const std::string policy = HeaderOf(answer, "Content-Security-Policy");
+    EXPECT_NE(policy.find("default-src '"), std::string::npos) << path;
+    EXPECT_NE(policy.find("frame-ancestors 'none'"), std::string::npos) << path;
+    EXPECT_EQ(policy.find("unsafe-inline") != std::string::npos, path == std::string("/jobs/1-hall/report"))
+        << path;
+    EXPECT_EQ(HeaderOf(answer, "X-Frame-Options"), "DENY") << path;
+    EXPECT_EQ(HeaderOf(answer, "X-Content-Type-Options"), "nosniff") << path;
+    EXPECT_EQ(HeaderOf(answer, "Cache-Control"), "no-store") << path;
+    EXPECT_EQ(HeaderOf(answer, "Referrer-Policy"), "same-origin") << "by none a browser's form has no origin";
+  }
+  const std::string report = HeaderOf(Get("/jobs/1-hall/report"), "Content-Security-Policy");
+  EXPECT_TRUE(report.starts_with("sandbox allow-scripts allow-downloads; default-src 'none'; ")) << report;
+  for (const char* way_out :
+       {"allow-same-origin", "connect-src", "'self'", "http", "*", "allow-top", "allow-popups"})
+    EXPECT_EQ(report.find(way_out), std::string::npos) << "a report reaches what is not its own";
+}
+
+TEST_F(SiteTest, CommandsOfAnotherSitesPageAreRefused) {
+  for (const auto& headers : std::vector<std::map<std::string, std::string>>{
+           {},  // a form
+           {{"x-cairn", "page"}, {"origin", "https://evil.example"}},
+           {{"x-cairn", "page"}, {"origin", "null"}},
+           {{"x-cairn", "page"}, {"sec-fetch-site", "cross-site"}},
+           {{"x-cairn", "page"}, {"host", "evil.example:8080"}}})
+    Ask("POST", "/jobs/1-hall/cancel", {}, headers);
+  for (const char* method : {"GET", "HEAD", "PUT", "DELETE", "OPTIONS"})
+    Ask(method, "/jobs/1-hall/cancel", {}, {{"x-cairn", "page"}});
+  EXPECT_TRUE(source_->commands.empty());
+  EXPECT_EQ(HeaderOf(Ask("OPTIONS", "/jobs/1-hall/cancel"), "Access-Control-Allow-Origin"), "");
+  EXPECT_EQ(Get("/").code, 200u);
+}
+
+TEST_F(SiteTest, CommandsReachTheJobAndTheAnswerIsASentence) {
+  EXPECT_EQ(Post("/jobs/1-hall/pause")["text"], "1-hall is paused.");
+  EXPECT_EQ(Post("/jobs/1-hall/priority", "priority=-3")["ok"], true);
+  source_->outcome = {false, "Cannot pause 1-hall: it is done."};
+  EXPECT_EQ(Post("/jobs/1-hall/pause")["ok"], false);
+  EXPECT_EQ(source_->commands,
+            (std::vector<std::string>{"1-hall pause 0", "1-hall priority -3", "1-hall pause 0"}));
+  for (const char* path : {"/jobs/1-hall/priority", "/jobs/1-hall/status", "/jobs/1-hall/results",
+                           "/jobs/2-none/pause", "/jobs//pause", "/jobs/pause", "/pause", "/"})
+    EXPECT_EQ(Post(path)["ok"], false) << path;
+  EXPECT_EQ(Post("/jobs/1-hall/priority", "priority=3;x")["ok"], false);
+  EXPECT_EQ(source_->commands.size(), 3u);
+}
+
+TEST_F(SiteTest, WhereItOnlyShowsNothingIsCommanded) {
+  Make({.read_only = true});
+  EXPECT_EQ(Get("/jobs/1-hall").body.find("data-action"), std::string::npos);
+  EXPECT_EQ(Post("/jobs/1-hall/pause")["ok"], false);
+  EXPECT_TRUE(source_->commands.empty());
+}
+
+TEST_F(SiteTest, NoPathLeadsToAFileOrAJobThatIsNotOnTheList) {
+  for (const char* path :
+       {"/../../etc/passwd", "/jobs/../../etc/passwd", "/jobs/1-hall/../../../etc/passwd",
+        "/jobs/1-hall/files/../said", "/jobs/1-hall/files//etc/passwd", "/jobs/1-hall/files/map.h5/..",
+        "/jobs/1-hall/files/other.h5", "/jobs/1-hall/files/", "/jobs/2-none/files/map.h5", "/jobs/../report",
+        "/jobs/%2e%2e/report", "/page.html", "/jobs/1-hall/said", "//"}) {
+    const HttpAnswer answer = Get(path);
+    EXPECT_EQ(answer.code, 404u) << path;
+    EXPECT_TRUE(answer.file.empty()) << path;
+  }
+  EXPECT_EQ(Get("/jobs/1-hall/files/map.h5").file, "/cache/1/map.h5");
+  EXPECT_EQ(Get("/jobs/1-hall/report").file, "/cache/1/report.html");
+  EXPECT_EQ(Get("/jobs/1-hall/picture").file, "/cache/1/map.png");
+  for (const std::string& fetched : source_->fetched) EXPECT_EQ(fetched, "1-hall 1");
+}
+
+TEST_F(SiteTest, AHostileNameIsATextEverywhere) {
+  const std::string evil = "<script>alert(1)</script>\"'><img src=x onerror=alert(2)>";
+  wire::JobInfo job = Hall(evil, "failed");
+  job.set_reason(evil);
+  job.set_note(evil);
+  job.set_stage_name(evil);
+  job.add_failures(evil);
+  Know({job});
+  auto facts = std::make_shared<Facts>(*source_->facts);
+  facts->workers.resize(1);
+  facts->workers[0].set_name(evil);
+  facts->workers[0].set_host(evil);
+  facts->workers[0].set_state(evil);
+  facts->workers[0].set_assigned(1);
+  facts->workers[0].set_task(evil + ": " + evil);
+  facts->times.Add(facts->workers, 1);
+  facts->list.warning = facts->trouble = evil;
+  facts->list.refused[evil] = 1;
+  source_->facts = facts;
+  auto history = std::make_shared<JobHistory>();
+  wire::LogLine line;
+  line.set_number(1);
+  line.set_level(evil);
+  line.set_text(evil);
+  history->Add({line});
+  source_->history = history;
+  source_->results = {.trouble = evil};
+  for (const char* path : {"/", "/workers", "/jobs/1-hall", "/jobs/1-hall/report", "/jobs/1-hall/picture",
+                           "/jobs/<script>alert(1)"}) {
+    const std::string body = Get(path).body;
+    EXPECT_EQ(body.find("<script>alert"), std::string::npos) << path;
+    EXPECT_EQ(body.find("<img src=x"), std::string::npos) << path;
+    EXPECT_NE(body.find("&lt;script&gt;"), std::string::npos) << path;
+  }
+  const std::string searched = Ask("GET", "/", {{"q", evil}, {"state", evil}, {"page", evil}}).body;
+  EXPECT_EQ(searched.find("<script>alert"), std::string::npos);
+  EXPECT_EQ(searched.find("<img src=x"), std::string::npos);
+}
+
+TEST_F(SiteTest, PagesReadWithoutAScriptAndLoadNothingFromElsewhere) {
+  const std::string jobs = Get("/").body;
+  EXPECT_NE(jobs.find("<a href=\"/jobs/1-hall\">hall</a>"), std::string::npos);
+  EXPECT_NE(jobs.find("<form id=\"filter\""), std::string::npos);
+  for (const Asset& asset : Assets()) {
+    EXPECT_FALSE(asset.bytes.empty()) << asset.name;
+    EXPECT_EQ(asset.bytes.find("://") != std::string_view::npos, asset.name == "icon.svg")
+        << "its name space";
+  }
+  for (const char* path : {"/", "/workers", "/jobs/1-hall"}) {
+    const std::string body = Get(path).body;
+    EXPECT_EQ(body.find("style="), std::string::npos) << "the policy forbids it";
+    EXPECT_EQ(body.find("{{"), std::string::npos);
+    EXPECT_EQ(body.find("onclick"), std::string::npos);
+  }
+}
+
+TEST_F(SiteTest, AStreamSendsWhatHasChangedAlone) {
+  const auto stream = Ask("GET", "/events", {{"for", "/jobs/1-hall"}}).stream;
+  ASSERT_TRUE(stream);
+  EXPECT_NE(stream->Next().find("event: parts\ndata: {"), std::string::npos);
+  EXPECT_EQ(stream->Next(), "");
+  wire::JobInfo job = Hall();
+  job.set_note("iteration 2");
+  Know({job});
+  const std::string changed = stream->Next();
+  EXPECT_NE(changed.find("iteration 2"), std::string::npos);
+  EXPECT_EQ(changed.find("<h1>"), std::string::npos) << "the title has not changed";
+  EXPECT_EQ(changed.substr(0, changed.size() - 1).find("\n\n"), std::string::npos)
+      << "one event is one event";
+  now_s_ += 11;
+  EXPECT_EQ(stream->Next(), ": still here\n\n");
+  EXPECT_EQ(source_->looks.back(), "1-hall") << "it is looked at as long as the stream lasts";
+}
+
+TEST_F(SiteTest, ForFiftyWhoLookOnAPageIsMadeOnce) {
+  std::vector<std::shared_ptr<coordinator::HttpStream>> streams;
+  for (int i = 0; i < 50; ++i) streams.push_back(Ask("GET", "/events", {{"for", "/"}, {"q", "hall"}}).stream);
+  std::string first = streams[0]->Next();
+  for (const auto& stream : streams) EXPECT_TRUE(&stream == &streams[0] || stream->Next() == first);
+  Know({});
+  first = streams[0]->Next();
+  EXPECT_NE(first.find("no jobs yet"), std::string::npos);
+}
+
+TEST_F(SiteTest, AJobThatIsDeletedAndACoordinatorThatIsGoneAreSaid) {
+  const auto stream = Ask("GET", "/events", {{"for", "/jobs/1-hall"}}).stream;
+  stream->Next();
+  Know({Hall()}, "The coordinator does not answer.");
+  const std::string lost = stream->Next();
+  EXPECT_NE(lost.find("The coordinator does not answer."), std::string::npos);
+  EXPECT_NE(lost.find("12:00:00 UTC"), std::string::npos) << "of when it is what is shown";
+  EXPECT_NE(Get("/jobs/1-hall").body.find("<h1>hall</h1>"), std::string::npos) << "nothing is blank";
+  Know({});
+  EXPECT_NE(stream->Next().find("deleted"), std::string::npos);
+  EXPECT_EQ(Get("/jobs/1-hall").code, 404u);
+  EXPECT_EQ(Get("/jobs/1-hall/report").code, 404u);
+}
+
+TEST_F(SiteTest, BeforeTheFirstAnswerAPageSaysSo) {
+  source_->facts = std::make_shared<Facts>();
+  for (const char* path : {"/", "/workers", "/jobs/1-hall"}) {
+    EXPECT_EQ(Get(path).code, 200u) << path;
+    EXPECT_NE(Get(path).body.find("has not answered yet"), std::string::npos) << path;
+  }
+}
+
+TEST_F(SiteTest, AtTheEndAStreamSaysWhyAndIsOver) {
+  const auto stream = Ask("GET", "/events", {{"for", "/"}}).stream;
+  stream->Next();
+  EXPECT_FALSE(stream->is_over());
+  site_->End("The run is over.");
+  EXPECT_EQ(stream->Next(), "event: over\ndata: The run is over.\n\n");
+  EXPECT_EQ(stream->Next(), "");
+  EXPECT_TRUE(stream->is_over());
+}
+
+}  // namespace
+}  // namespace cairn::page

@@ -1,0 +1,48 @@
+// Where the pages have their facts from, and what they have done: the coordinator, asked once for all.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "coordinator/page/facts.h"
+#include "coordinator/page/views.h"
+
+namespace cairn::page {
+
+// Results of a job on this machine, or why there are none.
+struct FetchedResults {
+  std::filesystem::path folder = {};
+  ResultFiles files = {};
+  std::string picture = {};  // "map.png"; empty: there is none
+  std::string trouble = {};  // a sentence; empty: they are here
+};
+
+// Whether a job did what it was told, and what to say of that.
+struct CommandOutcome {
+  bool ok = false;
+  std::string text;
+};
+
+// All may be called from any thread, and wait for nobody; `then` is called on another thread, or this one.
+class Source {
+ public:
+  virtual ~Source() = default;
+
+  virtual FactsPtr Latest() = 0;
+  virtual HistoryPtr HistoryOf(const std::string& job) = 0;  // null: not known
+  // Somebody looks on, at that job where one is named: for the next seconds it is kept up to date. `then`,
+  // where there is one, is called once facts (and history) are no older than a second, or nobody answers.
+  virtual void Look(const std::string& job, std::function<void()> then) = 0;
+  virtual void Command(const std::string& job, const std::string& action, int priority,
+                       std::function<void(const CommandOutcome&)> then) = 0;
+  // Fetches them where they are not here yet.
+  virtual void FetchResults(const std::string& job, std::uint32_t stages_done,
+                            std::function<void(const FetchedResults&)> then) = 0;
+  // Those that are here; null: none.
+  virtual std::shared_ptr<const FetchedResults> Fetched(const std::string& job,
+                                                        std::uint32_t stages_done) = 0;
+};
+
+}  // namespace cairn::page

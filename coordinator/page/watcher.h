@@ -1,0 +1,81 @@
+// Asks the coordinator, while somebody looks on: once for all of them.
+#pragma once
+
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "coordinator/client.h"
+#include "coordinator/page/errands.h"
+#include "coordinator/page/results.h"
+#include "coordinator/page/source.h"
+
+namespace cairn::page {
+
+struct WatcherOptions {
+  coordinator::ClientOptions client;
+  double least_s = 0.25;  // between two questions
+  double share = 20;  // of the time that an answer takes, at the least: so that no more than a part of the
+                      // coordinator's goes here
+  double looked_at_s = 3;  // after who looked on last
+  ResultsOptions results;
+};
+
+class Watcher : public Source {
+ public:
+  // `changed`: called, on a thread of its own, whenever facts are new.
+  // Throws InputError where there can be no such endpoint.
+  Watcher(WatcherOptions options, std::function<void()> changed);
+  ~Watcher() override;
+
+  FactsPtr Latest() override;
+  HistoryPtr HistoryOf(const std::string& job) override;
+  void Look(const std::string& job, std::function<void()> then) override;
+  void Command(const std::string& job, const std::string& action, int priority,
+               std::function<void(const CommandOutcome&)> then) override;
+  void FetchResults(const std::string& job, std::uint32_t stages_done,
+                    std::function<void(const FetchedResults&)> then) override {
+    results_.Fetch(job, stages_done, std::move(then));
+  }
+  std::shared_ptr<const FetchedResults> Fetched(const std::string& job, std::uint32_t stages_done) override {
+    return results_.Fetched(job, stages_done);
+  }
+
+ private:
+  struct LookedAt {
+    double at_s = 0;
+    HistoryPtr history = nullptr;
+  };
+
+  void Run();
+  FactsPtr Ask();
+  void AskForLogs(const Facts& facts);
+  bool IsFresh(const std::string& job, double now_s) const;
+
+  WatcherOptions options_;
+  std::function<void()> changed_;
+  coordinator::Client asks_, commands_;  // of a thread each
+  FleetTimes times_;
+
+  std::mutex mutex_;  // of all below
+  std::condition_variable woken_;
+  bool ending_ = false, soon_ = false;
+  FactsPtr facts_ = std::make_shared<Facts>();
+  double answered_s_ = -1e9, tried_s_ = -1e9, looked_s_ = -1e9;
+  std::map<std::string, LookedAt> jobs_;  // that somebody looks at
+  std::vector<std::function<void()>> waiting_;
+
+  ResultsCache results_;
+  Errands errands_{64};
+  std::thread thread_;  // the last to begin
+};
+
+// What to say where the coordinator did not answer so.
+std::string TroubleText(const Status& status);
+
+}  // namespace cairn::page

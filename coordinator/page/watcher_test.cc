@@ -1,0 +1,166 @@
+#include "coordinator/page/watcher.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <future>
+
+#include "coordinator/fake_service_testing.h"
+#include "schema/wire/testing/private_folder.h"
+
+namespace cairn::page {
+namespace {
+
+using coordinator::FakeService;
+using coordinator::Ok;
+
+class WatcherTest : public ::testing::Test {
+ protected:
+  void Serve() {
+    service_ = std::make_unique<FakeService>(folder_.Ipc("s"), [this](const wire::Message& question) {
+      return std::optional(AnswerTo(question));
+    });
+  }
+  wire::Message AnswerTo(const wire::Message& question) {
+    wire::Message answer = Ok();
+    wire::Reply& reply = *answer.envelope.mutable_reply();
+    if (question.envelope.has_workers()) {
+      reply.add_fleet()->set_number(7);
+      return answer;
+    }
+    const wire::JobQuery& query = question.envelope.query();
+    if (another_ && query.job().empty()) {
+      reply.add_jobs()->set_id("2-new");
+      reply.mutable_jobs(0)->set_name("new");
+    }
+    wire::JobInfo& job = *reply.add_jobs();
+    job.set_id("1-hall");
+    job.set_name("hall");
+    job.set_state(query.action() == "pause" ? "paused" : "running");
+    if (query.action() == "logs") {
+      ++logs_;
+      for (std::uint64_t number = query.after() + 1; number <= lines_; ++number) {
+        wire::LogLine& line = *reply.add_log();
+        line.set_number(number);
+        line.set_text("line " + std::to_string(number));
+      }
+    } else if (query.action() == "status" && query.job().empty()) {
+      ++lists_;
+    }
+    if (refused_) {
+      answer = wire::Message();
+      answer.envelope.mutable_refuse()->set_reason("the key was taken off the list");
+    }
+    return answer;
+  }
+  void Watch() {
+    coordinator::ClientOptions client;
+    client.endpoint = folder_.Ipc("s");
+    client.timeout_s = 2;
+    watcher_ = std::make_unique<Watcher>(
+        WatcherOptions{.client = client,
+                       .least_s = 0.01,
+                       .share = 0,
+                       .looked_at_s = 0.5,
+                       .results = {.program = "/bin/false",
+                                   .service = {},
+                                   .folder = std::filesystem::path(folder_.Ipc("cache").substr(6))}},
+        [this] { ++changes_; });
+  }
+  FactsPtr Look(const std::string& job = "") {
+    std::promise<void> looked;
+    watcher_->Look(job, [&] { looked.set_value(); });
+    looked.get_future().get();
+    return watcher_->Latest();
+  }
+  // Looks until it is so.
+  void Until(const std::function<bool()>& is_so) {
+    while (!is_so()) {
+      Look("1-hall");
+      std::this_thread::yield();
+    }
+  }
+
+  wire::PrivateFolder folder_;
+  std::atomic<int> lists_ = 0, logs_ = 0, changes_ = 0;
+  std::atomic<std::uint64_t> lines_ = 3;
+  std::atomic<bool> refused_ = false, another_ = false;
+  std::unique_ptr<FakeService> service_;
+  std::unique_ptr<Watcher> watcher_;
+};
+
+TEST_F(WatcherTest, WhoLooksHasFactsAndTheLogAtOnceAndWhatIsNewAfterwards) {
+  Serve();
+  Watch();
+  EXPECT_FALSE(watcher_->Latest()->known);
+  const FactsPtr facts = Look("1-hall");
+  ASSERT_TRUE(facts->known);
+  EXPECT_EQ(facts->workers.at(0).number(), 7u);
+  ASSERT_NE(facts->Find("1-hall"), nullptr);
+  EXPECT_EQ(watcher_->HistoryOf("1-hall")->lines().size(), 3u);
+  lines_ = 5;
+  Until([&] { return watcher_->HistoryOf("1-hall")->last() == 5; });
+  EXPECT_EQ(watcher_->HistoryOf("1-hall")->lines().size(), 5u);
+}
+
+TEST_F(WatcherTest, AJobThatCameAMomentAgoIsThere) {
+  Serve();
+  Watch();
+  Look();
+  another_ = true;
+  EXPECT_NE(Look("2-new")->Find("2-new"), nullptr);
+}
+
+// Between two questions lies the same time, however many look on.
+TEST_F(WatcherTest, ManyWhoLookOnAskAsOne) {
+  Serve();
+  Watch();
+  Look("1-hall");
+  const int changes = changes_, lists = lists_, logs = logs_;
+  for (int i = 0; i < 100'000; ++i) watcher_->Look("1-hall", nullptr);
+  const int turns = changes_ - changes + 2;
+  EXPECT_LE(lists_ - lists, turns);
+  EXPECT_LE(logs_ - logs, turns);
+  EXPECT_LT(turns, 50'000);
+}
+
+TEST_F(WatcherTest, ACoordinatorThatIsGoneIsSaidAndWhenItIsBackAllIsWell) {
+  Serve();
+  Watch();
+  Look("1-hall");
+  service_.reset();
+  Until([&] { return !watcher_->Latest()->trouble.empty(); });
+  const FactsPtr lost = watcher_->Latest();
+  EXPECT_NE(lost->trouble.find("does not answer"), std::string::npos) << lost->trouble;
+  EXPECT_NE(lost->Find("1-hall"), nullptr) << "what it said last is kept";
+  Serve();
+  Until([&] { return watcher_->Latest()->trouble.empty(); });
+}
+
+TEST_F(WatcherTest, AKeyThatIsRevokedIsSaid) {
+  Serve();
+  Watch();
+  Look("1-hall");
+  refused_ = true;
+  Until([&] { return !watcher_->Latest()->trouble.empty(); });
+  EXPECT_NE(watcher_->Latest()->trouble.find("key in: the key was taken off the list"), std::string::npos)
+      << watcher_->Latest()->trouble;
+}
+
+TEST_F(WatcherTest, ACommandIsAnsweredWithASentence) {
+  Serve();
+  Watch();
+  const auto told = [this](const std::string& action) {
+    std::promise<CommandOutcome> outcome;
+    watcher_->Command("1-hall", action, 0, [&](const CommandOutcome& said) { outcome.set_value(said); });
+    return outcome.get_future().get();
+  };
+  EXPECT_EQ(told("pause").text, "1-hall is paused.");
+  refused_ = true;
+  const CommandOutcome refused = told("pause");
+  EXPECT_FALSE(refused.ok);
+  EXPECT_EQ(refused.text, "The key was taken off the list.");
+}
+
+}  // namespace
+}  // namespace cairn::page

@@ -1,0 +1,332 @@
+"""Walks through the pages of a live service, as page_test.sh says."""
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+
+from browser import Browser
+from page_service import Service, cairn, link_in, submit, until
+
+EVIL = "<script>document.title='evil'</script><img src=x onerror=\"document.title='evil'\">"
+PICTURES = os.environ.get('CAIRN_PAGE_PICTURES')
+
+# Text whose colour does not stand out from what is behind it (WCAG 2, AA), and what is wider than the window.
+UNREADABLE = '''
+const luminance = (c) => {
+  const part = (v) => (v /= 255) <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
+  return 0.2126 * part(c[0]) + 0.7152 * part(c[1]) + 0.0722 * part(c[2]);
+};
+const parse = (text) => (text.match(/[0-9.]+/g) || []).map(Number);
+const behind = (e) => {
+  for (; e; e = e.parentElement) {
+    const c = parse(getComputedStyle(e).backgroundColor);
+    if (c.length === 3 || c[3] > 0.99) return c;
+  }
+  return [255, 255, 255];
+};
+const wrong = [];
+const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+let seen = 0;
+while (walker.nextNode()) {
+  const e = walker.currentNode.parentElement;
+  if (!walker.currentNode.nodeValue.trim() || !e.checkVisibility() || e.closest('[aria-disabled], title, option')) continue;
+  ++seen;
+  const style = getComputedStyle(e);
+  const a = luminance(parse(e instanceof SVGElement && e.closest('.tick') ? style.fill : style.color)), b = luminance(behind(e));
+  const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+  if (ratio < 4.5) wrong.push(ratio.toFixed(2) + ' ' + walker.currentNode.nodeValue.trim().slice(0, 40));
+}
+if (seen < 10) wrong.push('it looks at nothing');
+const wide = document.documentElement.scrollWidth - innerWidth;
+if (wide > 0) wrong.push(wide + ' px wider than the window');
+return wrong;
+'''
+
+
+class Walk:
+    def __init__(self, service, browser=None):
+        self.service, self.browser, self.origin = service, browser or Browser(), ''
+
+    def sign_in(self, link):
+        self.browser.open(link)
+        self.browser.until(lambda: self.browser.has('#parts'), 'the pages')
+        self.origin = self.browser.run('return location.origin')
+
+    def go(self, path):
+        self.browser.open(self.origin + path)
+        self.browser.until(lambda: self.browser.text('#live') == 'live', 'a live page')
+
+    def until_says(self, text, where='body'):
+        self.browser.until(lambda: text in self.browser.text(where), text)
+
+    def press(self, action, sure=False):
+        self.browser.until(lambda: self.browser.has(f'button[data-action={action}]'), action)
+        self.browser.find(f'button[data-action={action}]').click()
+        if sure:
+            self.browser.accept()
+
+    def check(self, name):
+        """The page as it is now: to be read at all widths, light and dark, and no error in the console."""
+        for width in (380, 1280, 2560):
+            for dark in (False, True):
+                self.browser.size(width, 900, dark)
+                wrong = self.browser.run(UNREADABLE)
+                assert not wrong, f'{name}, {width} px, {"dark" if dark else "light"}: {wrong}'
+                if PICTURES:
+                    os.makedirs(PICTURES, exist_ok=True)
+                    self.browser.picture(f'{PICTURES}/{name}-{width}-{"dark" if dark else "light"}.png')
+        self.browser.size(1280, 900, False)
+        self.no_errors(name)
+
+    def no_errors(self, name):
+        errors = self.browser.errors()
+        assert not errors, f'{name}: the console says {errors}'
+
+
+def strangers(walk, link):
+    browser = walk.browser
+    browser.open(link.split('?')[0])
+    walk.until_says('Not let in')
+    browser.errors()  # the browser itself calls an answer of 401 one
+    walk.sign_in(link)
+    assert browser.address() == walk.origin + '/', 'the link stays in the address'
+    again = Browser()
+    again.open(link)
+    again.until(lambda: 'was used already' in again.text(), 'a link that works once')
+    again.close()
+    assert link_in('page.log') != link, 'there is no other link'
+
+
+def jobs_without_workers(walk):
+    walk.go('/')
+    walk.until_says('There are no jobs yet')
+    job = submit('landmark_map', 'log.h5', '--seed', '7')
+    walk.browser.until(lambda: walk.browser.has(f'tr[data-key="{job}"]'), 'the job')
+    walk.browser.find(f'tr[data-key="{job}"] a').click()
+    walk.until_says('No worker is connected')
+    walk.check('waits')
+    return job
+
+
+def run_pause_resume(walk, job):
+    browser = walk.browser
+    walk.press('pause')
+    walk.until_says('paused by its owner')
+    walk.until_says(f'{job} is paused.', '#told')
+    walk.service.worker('--name', EVIL)
+    browser.run('''const s = document.querySelector("select[data-action=priority]"); s.value = "3";
+                   s.dispatchEvent(new Event("change", {bubbles: true}));''')
+    walk.until_says('has the priority 3')
+    walk.press('resume')
+    walk.until_says('running', '.title')
+    walk.until_says('round 1:', '.log')
+    browser.until(lambda: browser.has('#curves .curve'), 'a curve')
+    browser.until(lambda: browser.has('#times rect'), 'tasks on a time line')
+    walk.check('runs')
+    walk.until_says('done', '.title')
+    browser.until(lambda: browser.run('const i = document.querySelector("img.map"); return i && i.complete && '
+                                      'i.naturalWidth > 300'), 'the picture of the map')
+    walk.until_says('landmark_map.h5', '#result')
+    size = browser.run('''const x = new XMLHttpRequest(); x.open("GET", document.querySelector("a[download]").href, false);
+                          x.overrideMimeType("text/plain; charset=x-user-defined"); x.send();
+                          return [x.response.length, x.response.slice(1, 4)];''')
+    assert size[0] > 10000 and size[1] == 'HDF', size
+    walk.check('done')
+    browser.find('#result .links a').click()
+    browser.until(lambda: 'Landmarks' in browser.text() or 'landmarks' in browser.text(), 'the report')
+    assert browser.run('return origin') == 'null', 'a report is of the page\'s own origin'
+    walk.no_errors('report')
+
+
+def fail_retry_delete(walk):
+    with open('greedy.yaml', 'w') as job:
+        job.write('name: greedy\nseed: 7\ninputs: {log: log.h5}\ntask_memory_mb: 1\nstages:\n'
+                  '  - {name: landmark_map, pipeline: landmark_map, log: log}\n')
+    job = submit('greedy.yaml')
+    walk.go('/jobs/' + job)
+    walk.until_says('failed', '.title')
+    walk.until_says('Retry goes on from the last checkpoint')
+    walk.until_says('Attempts that failed')
+    walk.check('failed')
+    walk.press('retry')
+    walk.until_says(f'{job} is ', '#told')
+    walk.until_says('failed', '.title')
+    walk.press('delete', sure=True)
+    walk.until_says('There is no such job: it was deleted')
+    walk.until_says(f'{job} is deleted.', '#told')
+    walk.no_errors('deleted')
+
+
+def another_deletes(walk):
+    job = submit('landmark_map', 'log.h5', '--seed', '2')
+    walk.go('/jobs/' + job)
+    cairn('cancel', job)
+    walk.until_says('cancelled', '.title')
+    cairn('delete', job)
+    walk.until_says('There is no such job: it was deleted')
+    walk.no_errors('deleted by another')
+
+
+def killed(walk, coordinator, job):
+    walk.go('/')
+    walk.until_says('1 job')
+    walk.service.stop(coordinator)
+    walk.until_says('The coordinator does not answer')
+    assert job in walk.browser.text(), 'what was known is gone'
+    walk.check('no-coordinator')
+    coordinator = walk.service.coordinator()
+    walk.browser.until(lambda: 'does not answer' not in walk.browser.text(), 'a page that is back')
+    walk.browser.until(lambda: walk.browser.has(f'tr[data-key="{job}"]'), 'the job')
+    walk.no_errors('restart')
+    return coordinator
+
+
+def find_by_keyboard(walk, first):
+    with open('other.yaml', 'w') as job:
+        job.write('name: other\nseed: 3\ninputs: {log: log.h5}\nstages:\n'
+                  '  - {name: landmark_map, pipeline: landmark_map, log: log}\n')
+    other = submit('other.yaml')
+    browser = walk.browser
+    walk.go('/')
+    walk.until_says('2 jobs')
+    browser.press('/')
+    for key in 'other':
+        browser.press(key)
+    walk.until_says('1 job')
+    assert browser.address().endswith('/?q=other'), browser.address()
+    browser.until(lambda: not browser.has(f'tr[data-key="{first}"]'), 'what was searched alone')
+    for _ in range(40):
+        browser.press('\ue004')
+        if browser.run('return document.activeElement.pathname') == '/jobs/' + other:
+            break
+    outline = browser.run('return getComputedStyle(document.activeElement).outlineWidth')
+    assert outline == '3px', f'where one is does not show: {outline}'
+    browser.press('\ue007')
+    browser.until(lambda: browser.address().endswith('/jobs/' + other), 'the job, by the keyboard')
+    walk.until_says('done', '.title')
+    walk.go('/?state=running')
+    walk.until_says('No job is like that')
+    walk.go('/workers')
+    walk.until_says('idle')
+    walk.until_says(EVIL)
+    assert walk.browser.run('return document.title') != 'evil', 'a name was run'
+    walk.check('workers')
+    walk.go('/')
+    walk.check('jobs')
+    walk.no_errors('filter')
+
+
+def without_script(walk):
+    walk.browser.command('Emulation.setScriptExecutionDisabled', value=True)
+    walk.browser.open(walk.origin + '/')
+    html = walk.browser.ask('GET', '/source')
+    assert 'landmark_map</a>' in html and '<tbody' in html, 'without a script it says nothing'
+    for action in ('pause', 'delete'):
+        assert f'data-action="{action}"' not in html
+    walk.browser.command('Emulation.setScriptExecutionDisabled', value=False)
+
+
+def keys(service):
+    """Over TCP the page has its key's rights, and says so when that is taken off the list."""
+    folder = os.path.expanduser('~/.config/cairn/')
+    for name in ('coordinator', 'viewer', 'desk'):
+        cairn('keys', 'new', name)
+    cairn('keys', 'allow', folder + 'viewer.pub', '--as', 'viewer')
+    cairn('keys', 'allow', folder + 'desk.pub', '--as', 'submitter')
+    endpoint = f'tcp://127.0.0.1:{free_port()}'
+    coordinator = service.coordinator('--listen', endpoint, '--store', 'store_of_keys', log='keys.log')
+    options = ['--connect', endpoint, '--server-key', folder + 'coordinator.pub']
+    job = submit('landmark_map', 'log.h5', *options, '--key', folder + 'desk.key')
+    walk = Walk(service)
+    walk.sign_in(service.page(*options, '--key', folder + 'viewer.key', log='viewer.log'))
+    walk.go('/jobs/' + job)
+    walk.until_says('queued', '.title')
+    if walk.browser.has('button[data-action=cancel]'):
+        walk.press('cancel', sure=True)
+        walk.until_says('viewer', '#told')
+    cairn('keys', 'revoke', folder + 'viewer.pub')
+    walk.until_says('does not let this page\'s key in')
+    assert job in walk.browser.text(), 'what was known is gone'
+    walk.no_errors('revoked')
+    walk.browser.close()
+    service.stop(coordinator, 'terminate')
+
+
+def free_port():
+    with socket.socket() as free:
+        free.bind(('127.0.0.1', 0))
+        return free.getsockname()[1]
+
+
+def behind_proxy(service):
+    """As docs/page.md says, with its configuration of nginx word by word, but for ports and files."""
+    if not shutil.which('nginx') or not shutil.which('openssl'):
+        return print('without nginx or openssl: what is behind a proxy was not looked at')
+    port, here = free_port(), os.getcwd()
+    with open('a.password', 'w') as file:
+        file.write('correct horse\n')
+    os.chmod('a.password', 0o600)
+    service.page('--behind-proxy', 'https://maps.example.org', '--password-file', 'a.password', '--listen', str(port),
+                 log='proxied.log')
+    subprocess.run(['openssl', 'req', '-x509', '-newkey', 'rsa:2048', '-nodes', '-days', '2', '-keyout', 'tls.key',
+                    '-out', 'tls.pem', '-subj', '/CN=maps.example.org'], check=True, capture_output=True)
+    with open(os.environ['CAIRN_SOURCE'] + '/docs/page.md') as page:
+        site = re.search(r'```nginx\n(.*?)```', page.read(), re.S)[1]
+    tls = free_port()
+    for told, here_is in (('listen 443 ssl', f'listen 127.0.0.1:{tls} ssl'), ('127.0.0.1:8080', f'127.0.0.1:{port}'),
+                          ('/etc/ssl/maps.example.org.pem', f'"{here}/tls.pem"'),
+                          ('/etc/ssl/private/maps.example.org.key', f'"{here}/tls.key"')):
+        assert told in site, f'docs/page.md has lost {told}'
+        site = site.replace(told, here_is)
+    temporary = ''.join(f'{kind}_temp_path "{here}/nginx_{kind}";\n'
+                        for kind in ('client_body', 'proxy', 'fastcgi', 'uwsgi', 'scgi'))
+    with open('nginx.conf', 'w') as file:
+        file.write(f'daemon off;\nerror_log "{here}/nginx.log";\npid "{here}/nginx.pid";\nevents {{}}\n'
+                   f'http {{\naccess_log off;\n{temporary}{site}}}\n')
+    nginx = service.start('nginx', '-p', here, '-c', here + '/nginx.conf', log='nginx.out')
+    browser = Browser([f'--host-resolver-rules=MAP maps.example.org:443 127.0.0.1:{tls}'])
+    until(lambda: not socket.socket().connect_ex(('127.0.0.1', tls)), 'nginx')
+    browser.open('https://maps.example.org/')
+    browser.find('input[name=password]').type('wrong horse')
+    browser.press('\ue007')
+    browser.until(lambda: 'that is not the password' in browser.text(), 'a refusal')
+    browser.errors()  # the browser calls an answer of 401 one
+    browser.find('input[name=password]').type('correct horse')
+    browser.press('\ue007')
+    browser.until(lambda: browser.has('#parts'), 'the pages')
+    walk = Walk(service, browser)
+    walk.origin = 'https://maps.example.org'
+    job = submit('landmark_map', 'log.h5', '--seed', '9')
+    walk.until_says(job)
+    walk.go('/jobs/' + job)
+    walk.until_says('done', '.title')
+    walk.press('delete', sure=True)
+    walk.until_says('There is no such job: it was deleted')
+    walk.no_errors('behind a proxy')
+    browser.close()
+    service.stop(nginx, 'terminate')
+
+
+def main():
+    with Service() as service:
+        coordinator = service.coordinator()
+        link = service.page()
+        walk = Walk(service)
+        strangers(walk, link)
+        job = jobs_without_workers(walk)
+        run_pause_resume(walk, job)
+        fail_retry_delete(walk)
+        another_deletes(walk)
+        coordinator = killed(walk, coordinator, job)
+        find_by_keyboard(walk, job)
+        without_script(walk)
+        walk.browser.close()
+        behind_proxy(service)
+        keys(service)
+    print('walked through all pages')
+
+
+if __name__ == '__main__':
+    sys.exit(main())
