@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "coordinator/cli/commands/allow_list_file.h"
+#include "coordinator/cli/common/allow_list_file.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/home.h"
 #include "coordinator/cli/common/invocation.h"

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <numeric>
 
-#include "coordinator/cli/commands/allow_list_file.h"
+#include "coordinator/cli/common/allow_list_file.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/programs.h"
 #include "coordinator/scale/engines/programs.h"

@@ -8,7 +8,7 @@
 
 #include "coordinator/cli/commands/first_stage.h"
 #include "coordinator/cli/commands/on_slurm.h"
-#include "coordinator/cli/commands/run_page.h"
+#include "coordinator/cli/common/run_page.h"
 #include "coordinator/cli/commands/run_summary.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"

@@ -3,7 +3,7 @@
 #include <exception>
 #include <functional>
 
-#include "coordinator/cli/commands/allow_list_file.h"
+#include "coordinator/cli/common/allow_list_file.h"
 #include "schema/wire/keys.h"
 
 namespace cairn::cli {

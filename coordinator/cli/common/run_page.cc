@@ -1,4 +1,4 @@
-#include "coordinator/cli/commands/run_page.h"
+#include "coordinator/cli/common/run_page.h"
 
 #include <signal.h>
 #include <spawn.h>

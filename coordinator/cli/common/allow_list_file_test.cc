@@ -1,4 +1,4 @@
-#include "coordinator/cli/commands/allow_list_file.h"
+#include "coordinator/cli/common/allow_list_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
