@@ -8,11 +8,11 @@
 
 #include "coordinator/cli/commands/first_stage.h"
 #include "coordinator/cli/commands/on_slurm.h"
-#include "coordinator/cli/common/run_page.h"
 #include "coordinator/cli/commands/run_summary.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/programs.h"
+#include "coordinator/cli/common/run_page.h"
 #include "coordinator/cli/common/stop_signal.h"
 #include "coordinator/cli/job_file/arguments.h"
 #include "coordinator/cli/job_file/inputs.h"

@@ -9,8 +9,8 @@
 #include <memory>
 #include <thread>
 
-#include "coordinator/cli/common/allow_list_file.h"
 #include "coordinator/cli/commands/scale_keys.h"
+#include "coordinator/cli/common/allow_list_file.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/folder_lock.h"
 #include "coordinator/cli/common/home.h"
