@@ -245,6 +245,7 @@ class MapViewer {
     this.x = p.left - (width / this.scale - p.width) / 2;
     this.y = p.top - (height / this.scale - p.height) / 2;
     this.least = this.scale / 4;
+    this.whole = true;  // and stays so when the page changes its width
     this.draw();
   }
   zoom(factor, at = {x: this.size.width / 2, y: this.size.height / 2}) {
@@ -252,21 +253,22 @@ class MapViewer {
     this.x += at.x / this.scale - at.x / scale;
     this.y += at.y / this.scale - at.y / scale;
     this.scale = scale;
+    this.whole = false;
     this.draw();
   }
   move(dx, dy) {
     this.x -= dx / this.scale;
     this.y -= dy / this.scale;
+    this.whole = false;
     this.draw();
   }
   resize() {
     const {width, height} = this.size, ratio = devicePixelRatio || 1;
     if (width === this.width && height === this.height) return;
-    const before = this.width;
     Object.assign(this, {width, height});
     this.canvas.width = width * ratio;
     this.canvas.height = height * ratio;
-    if (before) this.draw(); else this.reset();
+    if (this.whole) this.reset(); else this.draw();
   }
   toMetres(at) {
     const m = this.metres, p = this.panel;
@@ -337,6 +339,7 @@ class MapViewer {
     this.linked.scale = this.scale / from.perUnit * to.perUnit;
     this.linked.x = there.x - width / 2 / this.linked.scale;
     this.linked.y = there.y - height / 2 / this.linked.scale;
+    this.linked.whole = this.whole;
     this.linked.drawAlone();
   }
 
