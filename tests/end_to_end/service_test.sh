@@ -126,7 +126,7 @@ grep -qE 'does not answer|no service listens' stderr || die "no word on a servic
 kill -CONT "$coordinator"
 # By a pattern: those alone that can do it.
 refuses 'name the jobs by their ids, or say --name' cairn delete
-refuses 'there is no such job, or none that one can cancel' cairn cancel --name 'landmark_map-*'
+refuses 'there is no such job, or none that you can cancel' cairn cancel --name 'landmark_map-*'
 exits 0 cairn delete --name 'landmark_map-*' --state done
 says "^$monday is deleted"
 says "^$tuesday is deleted"

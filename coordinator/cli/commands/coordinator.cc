@@ -22,7 +22,7 @@ namespace {
 
 struct CoordinatorArguments {
   coordinator::ServiceOptions service;
-  std::string on_end;
+  std::string on_end, key_limits;
 };
 
 wire::KeyLimits DefaultLimits(const std::string& text) {
@@ -45,6 +45,7 @@ std::string HookProgram(const std::string& path) {
 int Serve(const CoordinatorArguments& options, const Invocation& call) {
   Check(PrepareProcess({.files = 48, .file_bytes = 64 << 20, .memory_bytes = 512 << 20, .threads = 9}));
   coordinator::ServiceOptions service = options.service;
+  service.key_limits = DefaultLimits(options.key_limits);
   if (service.store_dir.empty()) service.store_dir = HomeFolder() + "/store";
   if (service.listen.empty()) service.listen = DefaultEndpoint();
   if (service.keys_dir.empty() && service.listen.starts_with("tcp://")) {
@@ -85,8 +86,8 @@ void AddCoordinator(Command app, Invocation& call) {
       .Add("--keys", service.keys_dir,
            "Folder of coordinator.key and the list of allowed keys (tcp: ~/.config/cairn)")
       .ExistingFolder();
-  command.AddTaking<std::string>(
-      "--key-limits", [&service](const std::string& text) { service.key_limits = DefaultLimits(text); },
+  command.Add(
+      "--key-limits", options->key_limits,
       "Of keys of which the list says nothing else, but administrators': requests=N a second, jobs=N that "
       "have not ended, inputs-mb=N of such jobs, memory-mb=N of a task, with commas (no limits)");
   command.Add("--max-connections", service.sockets.connections.connections, "At a time")
