@@ -40,7 +40,7 @@ done
 for command in $commands; do
   for words in "$command" $(cairn "$command" --help | subcommands_in | sed "s/^/$command:/"); do
     case $words in
-      coordinator | worker | scale* | keys* | simulate | import | export) continue ;;
+      coordinator | worker | page | scale* | keys* | simulate | import | export) continue ;;
     esac
     read -ra words <<<"${words//:/ }"
     cairn "${words[@]}" --help | grep -q -- '--json' || die "cairn ${words[*]} has no --json"
@@ -189,4 +189,5 @@ for command in $commands; do
   done
 done
 reads cairn-worker "$(cairn-worker --help | examples_in)"
+reads cairn-page "$(cairn-page --help | examples_in)"
 [ "$parsed" -ge 12 ] || die "only $parsed other examples were read"
