@@ -1,21 +1,31 @@
 """`cairn run --page`: it is shown while it runs, nobody commands it from there, and its end is told."""
 import os
+import signal
 import subprocess
 import sys
 
 from browser import Browser
-from page_service import link_in
+from page_service import link_in, until
 
 
 def main():
+    browser = Browser()
     open('run.log', 'w').close()
     with open('run.log', 'ab') as log, open('summary', 'wb') as out:
         run = subprocess.Popen(['cairn', 'run', 'landmark_map', 'log.h5', '--out', 'shown', '--workers', '1', '--page'],
                                stdin=subprocess.DEVNULL, stdout=out, stderr=log)
     try:
-        browser = Browser()
-        browser.open(link_in('run.log'))
+        link = link_in('run.log')
+        # It must not be over before it is looked at, however slow the browser is.
+        find = ['pgrep', '-P', str(run.pid), '-x', 'cairn-worker']
+        until(lambda: subprocess.run(find, stdout=subprocess.DEVNULL).returncode == 0, 'run.log')
+        workers = [int(pid) for pid in subprocess.check_output(find).split()]
+        for pid in workers:
+            os.kill(pid, signal.SIGSTOP)
+        browser.open(link)
         browser.until(lambda: browser.has('#parts a[href="/jobs/run"]'), 'the run')
+        for pid in workers:
+            os.kill(pid, signal.SIGCONT)
         browser.find('#parts a[href="/jobs/run"]').click()
         browser.until(lambda: browser.has('#stages li'), 'its stages')
         assert not browser.has('[data-action]'), 'a run has buttons that end it'
