@@ -36,6 +36,19 @@ std::string HostOf(const std::string& origin) {
   return slashes == std::string::npos ? origin : origin.substr(slashes + 3);
 }
 
+std::string Small(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+// An address as browsers say it: in small letters, without the scheme's own port.
+std::string AsBrowsersSay(const std::string& origin) {
+  const std::string small = Small(origin);
+  const std::string port = small.starts_with("https://") ? ":443" : ":80";
+  return small.ends_with(port) ? small.substr(0, small.size() - port.size()) : small;
+}
+
 int HexDigit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
@@ -89,6 +102,7 @@ std::map<std::string, std::string> FormValues(const std::string& body) {
 // Cookies do not tell ports apart, so its name does.
 Entrance::Entrance(EntranceOptions options, std::function<void(const std::string&)> new_link)
     : options_(std::move(options)), new_link_(std::move(new_link)) {
+  options_.proxy = AsBrowsersSay(options_.proxy);
   const auto [host, port] = coordinator::SplitAddress(options_.address);
   const bool secure = options_.proxy.starts_with("https://");
   origin_ = options_.proxy.empty() ? "http://" + options_.address : options_.proxy;
@@ -102,12 +116,14 @@ void Entrance::MakeLink() {
 }
 
 std::string Entrance::WhatIsWrongWithHost(const HttpRequest& request) const {
-  const std::string host = request.Header("host");
+  std::string host = Small(request.Header("host"));
   if (!options_.proxy.empty())
     return host == HostOf(options_.proxy)
                ? ""
                : "this is " + HostOf(options_.proxy) + ", and no other name's page";
   const auto [name, port] = coordinator::SplitAddress(options_.address);
+  if (const std::size_t colon = host.rfind(':'); colon == std::string::npos || host.ends_with(']'))
+    host += ":80";
   const auto [asked, asked_port] = coordinator::SplitAddress(host);
   const bool loopback = coordinator::IsLoopback(name);
   const bool known =

@@ -145,5 +145,17 @@ TEST(FormValues, AreDecoded) {
   EXPECT_TRUE(FormValues("").empty());
 }
 
+TEST_F(EntranceTest, BrowsersLeaveOutASchemesOwnPortAndWriteNamesSmall) {
+  const Entrance plain = Make({.address = "127.0.0.1:80", .proxy = "", .password = ""});
+  for (const char* host : {"127.0.0.1", "127.0.0.1:80", "localhost"})
+    EXPECT_EQ(plain.WhatIsWrongWithHost(Request({{"host", host}})), "") << host;
+  EXPECT_NE(plain.WhatIsWrongWithHost(Request({{"host", "evil.example.org"}})), "");
+  for (const char* proxy : {"https://Maps.Example.org", "https://maps.example.org:443"}) {
+    const Entrance behind = Make({.address = "127.0.0.1:8080", .proxy = proxy, .password = ""});
+    EXPECT_EQ(behind.WhatIsWrongWithHost(Request({{"host", "maps.example.org"}})), "") << proxy;
+    EXPECT_TRUE(links_.back().starts_with("https://maps.example.org/")) << links_.back();
+  }
+}
+
 }  // namespace
 }  // namespace cairn::page

@@ -96,7 +96,7 @@ void ResultsCache::Fetch(const std::string& job, std::uint32_t stages_done, Then
   bool refused = false;
   {
     const std::lock_guard lock(mutex_);
-    if (const auto kept = kept_.find(key); kept != kept_.end()) {
+    if (const auto kept = kept_.find(key); kept != kept_.end() && kept->second->whole) {
       here = kept->second;
     } else {
       std::vector<Then>& waiting = awaited_[key];
@@ -125,11 +125,12 @@ void ResultsCache::Do(const std::string& key, const std::string& job) {
   const std::string trouble = Run(job, folder);
   auto fetched = std::make_shared<FetchedResults>(LookInto(folder));
   // What came although not all did is shown.
+  fetched->whole = trouble.empty();
   if (fetched->files.stages.empty()) fetched->trouble = trouble.empty() ? "There is no result yet." : trouble;
   std::vector<Then> waiting;
   {
     const std::lock_guard lock(mutex_);
-    if (trouble.empty()) Keep(key, fetched);
+    Keep(key, fetched);
     waiting = std::move(awaited_[key]);
     awaited_.erase(key);
   }
@@ -137,10 +138,13 @@ void ResultsCache::Do(const std::string& key, const std::string& job) {
 }
 
 void ResultsCache::Keep(const std::string& key, const std::shared_ptr<const FetchedResults>& fetched) {
+  std::error_code ignored;
+  if (const auto before = kept_.find(key); before != kept_.end())
+    fs::remove_all(before->second->folder, ignored);
+  else
+    order_.push_back(key);
   kept_[key] = fetched;
-  order_.push_back(key);
   while (order_.size() > kMostKept) {
-    std::error_code ignored;
     fs::remove_all(kept_[order_.front()]->folder, ignored);
     kept_.erase(order_.front());
     order_.pop_front();

@@ -80,9 +80,14 @@ TEST_F(ResultsTest, WhyThereAreNoneIsASentenceAndItIsTriedAgain) {
   EXPECT_NE(Fetch("2-b").trouble, "");
 }
 
-TEST_F(ResultsTest, WhatCameThoughNotAllDidIsShown) {
+TEST_F(ResultsTest, WhatCameThoughNotAllDidIsShownAndFetchedAnewInItsPlace) {
   Make(std::string(kLeavesResults) + "; exit 2");
-  EXPECT_EQ(Fetch("1-a").files.stages.size(), 2u);
+  const FetchedResults first = Fetch("1-a");
+  EXPECT_EQ(first.files.stages.size(), 2u);
+  const FetchedResults second = Fetch("1-a");
+  EXPECT_NE(second.folder, first.folder);
+  EXPECT_FALSE(fs::exists(first.folder)) << "a look more must not take more of the disk";
+  EXPECT_TRUE(fs::exists(second.folder));
 }
 
 TEST_F(ResultsTest, OfManyJobsTheLatestAreKept) {

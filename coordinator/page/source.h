@@ -17,6 +17,7 @@ struct FetchedResults {
   ResultFiles files = {};
   std::string picture = {};  // "map.png"; empty: there is none
   std::string trouble = {};  // a sentence; empty: they are here
+  bool whole = true;         // all of them came: else they are fetched anew when somebody looks again
 };
 
 // Whether a job did what it was told, and what to say of that.

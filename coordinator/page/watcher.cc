@@ -59,7 +59,6 @@ Watcher::Watcher(WatcherOptions options, std::function<void()> changed)
     : options_(std::move(options)),
       changed_(std::move(changed)),
       asks_(ConnectOrThrow(options_.client)),
-      commands_(ConnectOrThrow(options_.client)),
       results_(options_.results),
       thread_([this] { Run(); }) {}
 
@@ -115,7 +114,9 @@ void Watcher::Look(const std::string& job, std::function<void()> then) {
 void Watcher::Command(const std::string& job, const std::string& action, int priority,
                       std::function<void(const CommandOutcome&)> then) {
   const bool added = errands_.Add([this, job, action, priority, then] {
-    const Result<wire::JobInfo> told = commands_.Command(job, action, priority);
+    // Not before there is something to say: who connects and says nothing is turned away.
+    if (!commands_) commands_.emplace(ConnectOrThrow(options_.client));
+    const Result<wire::JobInfo> told = commands_->Command(job, action, priority);
     then({told.ok(), told.ok() ? OutcomeText(action, told.value()) : AsSentence(told.status().message())});
     const std::lock_guard lock(mutex_);
     soon_ = true;

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -59,7 +60,8 @@ class Watcher : public Source {
 
   WatcherOptions options_;
   std::function<void()> changed_;
-  coordinator::Client asks_, commands_;  // of a thread each
+  coordinator::Client asks_;
+  std::optional<coordinator::Client> commands_;  // of the errands' thread
   FleetTimes times_;
 
   std::mutex mutex_;  // of all below

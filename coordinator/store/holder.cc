@@ -4,6 +4,7 @@
 
 #include <array>
 #include <charconv>
+#include <fstream>
 #include <sstream>
 #include <utility>
 
@@ -37,10 +38,11 @@ std::string HostName() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? OneWord(name.data()) : "?";
 }
 
+// The system makes it up as it is read, and gives it no size.
 std::string BootId() {
-  constexpr std::size_t kMostIdBytes = 100;
-  const Result<std::string> id = ReadSmallFile("/proc/sys/kernel/random/boot_id", kMostIdBytes);
-  return id.ok() ? OneWord(id.value().substr(0, id.value().find('\n'))) : "?";
+  std::string id;
+  std::ifstream("/proc/sys/kernel/random/boot_id") >> id;
+  return OneWord(id);
 }
 
 }  // namespace
@@ -68,9 +70,10 @@ Holder NextHolder(const Holder& last) {
 }
 
 // On one machine, a container of it say, the store's lock has told already. What has started again since has
-// none of its processes any more.
+// none of its processes any more. Of two that cannot say which system they run on, nobody knows.
 std::string WhyNotHold(const Holder& last, const Holder& next) {
-  if (!last.serves || last.host == next.host || last.boot == next.boot) return "";
+  const bool same_boot = last.boot == next.boot && last.boot != "?";
+  if (!last.serves || last.host == next.host || same_boot) return "";
   return "it was served last by " + Printable(last.host, kMostNameBytes) + " (process " +
          std::to_string(last.process) +
          "), which did not give it back: make sure that this one is off, then start with --take-over";

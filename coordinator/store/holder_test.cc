@@ -43,6 +43,20 @@ TEST(Holder, AnyFlippedByteAndAnyTruncationIsSeen) {
   }
 }
 
+// Linux says which start of the system this is: else each machine would be taken for any other.
+TEST(Holder, KnowsWhichStartOfTheSystemItIsOf) {
+  std::string id;
+  std::ifstream("/proc/sys/kernel/random/boot_id") >> id;
+  ASSERT_EQ(id.size(), 36u) << "not on this system";
+  EXPECT_EQ(NextHolder({}).boot, id);
+}
+
+TEST(Holder, OfTwoThatDoNotKnowTheirStartNeitherIsTheOther) {
+  Holder last = kElsewhere, next = NextHolder(kElsewhere);
+  last.boot = next.boot = "?";
+  EXPECT_NE(WhyNotHold(last, next), "");
+}
+
 TEST(Holder, AnotherMachinesThatDidNotGiveItBackIsAskedAbout) {
   const Holder next = NextHolder(kElsewhere);
   EXPECT_EQ(next.number, 8u);

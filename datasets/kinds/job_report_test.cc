@@ -132,7 +132,7 @@ std::size_t NumbersIn(const std::string& text) {
   return text.empty() ? 0 : 1 + static_cast<std::size_t>(std::ranges::count(text, ' '));
 }
 
-// What page.js needs of a map: its frame in metres, layers, and of each path a time for each point.
+// What map_viewer.js needs of a map: its frame in metres, layers, and of each path a time for each point.
 TEST_F(ReportOfALoop, OneCanLookAroundInItsMap) {
   const std::string html = PageOf(result_, &log_, &evaluation_);
   const std::size_t map = html.find("data-panel=\"");

@@ -59,6 +59,7 @@ const std::map<std::string, Promise>& Promises() {
        {.follows = Follows::kByQuarters,
         .cell_m = 0.5,
         .angles_rad = {0},
+        .but = {"history/landmark_"},  // in the order in which a search of the cells comes upon them
         .options = {{"prune", "0.000001"}, {"beliefs", "false"}}}},
       {"evidence_map",
        {.follows = Follows::kByQuarters,

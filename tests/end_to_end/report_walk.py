@@ -1,4 +1,4 @@
-"""What page.js of a report does, in the reports of report_in_browser_test.sh."""
+"""What the script of a report does, in the reports of report_in_browser_test.sh."""
 import itertools
 import pathlib
 import sys

@@ -85,8 +85,8 @@ class Picture {
   // Everything until the matching EndLayer can be shown and hidden by this name. Layers do not nest.
   void BeginLayer(std::string_view name);
   void EndLayer();
-  // What stood, one round after the other, in the place of what the layer shows: places that page.js draws on
-  // demand.
+  // What stood, one round after the other, in the place of what the layer shows: places that map_viewer.js
+  // draws on demand.
   void Rounds(std::vector<std::vector<Point>> rounds, std::string_view classes);
   // Where on the world what is clipped by the panel lies: then people can look around in it (map_viewer.js).
   void SetMap(const MapFrame& frame) { map_ = frame; }
