@@ -7,6 +7,7 @@
 
 #include "coordinator/page/html.h"
 #include "schema/text.h"
+#include "schema/wire/keys.h"
 
 namespace cairn::page {
 namespace {
@@ -96,6 +97,11 @@ void AddFact(std::string* html, const char* what, const std::string& value) {
   if (!value.empty()) *html += "<div><dt>" + std::string(what) + "</dt><dd>" + value + "</dd></div>\n";
 }
 
+// An owner without a name is his key, of which a part is enough.
+std::string OwnerText(const wire::JobInfo& job) {
+  return wire::IsPublicKey(job.owner()) ? wire::ShortKey(job.owner()) : job.owner();
+}
+
 std::string FactsHtml(const wire::JobInfo& job, std::size_t workers) {
   std::string facts;
   const double part = PartDone(job);
@@ -118,6 +124,7 @@ std::string FactsHtml(const wire::JobInfo& job, std::size_t workers) {
             fmt::format("{} of {} ({:.0f}%)", job.workers(), Count(workers, "worker"), share));
   }
   AddFact(&facts, "Time, min:s", Duration(job.seconds()));
+  AddFact(&facts, "Owner", Text(OwnerText(job)));
   AddFact(&facts, "Priority", std::to_string(job.priority()));
   AddFact(&facts, "Attempts that failed", job.retries() == 0 ? "" : std::to_string(job.retries()));
   const std::string note = job.note().empty() ? "" : "<p class=\"note\">" + Text(job.note()) + "</p>\n";

@@ -307,7 +307,9 @@ void Site::AnswerEvents(const HttpRequest& request, const Reply& reply) {
        .stream = std::make_shared<PartsStream>(shared_from_this(), ViewOf(request.Query("for"), request))}));
 }
 
-bool Site::MayCommand(const wire::JobInfo* job) const { return job != nullptr && !options_.read_only; }
+bool Site::MayCommand(const wire::JobInfo* job) const {
+  return job != nullptr && !options_.read_only && !job->foreign();
+}
 
 HttpAnswer Site::PageOf(const View& view) {
   const FactsPtr facts = source_->Latest();

@@ -212,6 +212,17 @@ TEST_F(SiteTest, WhereItOnlyShowsNothingIsCommanded) {
   EXPECT_TRUE(source_->commands.empty());
 }
 
+TEST_F(SiteTest, AJobThatTheKeyMayNotCommandHasNoButtons) {
+  EXPECT_NE(Get("/jobs/1-hall").body.find("data-action"), std::string::npos);
+  wire::JobInfo job = Hall();
+  job.set_foreign(true);
+  job.set_owner("desk<b>");
+  Know({job});
+  const std::string body = Get("/jobs/1-hall").body;
+  EXPECT_EQ(body.find("data-action"), std::string::npos);
+  EXPECT_NE(body.find("<dd>desk&lt;b&gt;</dd>"), std::string::npos) << "whose it is is said";
+}
+
 TEST_F(SiteTest, NoPathLeadsToAFileOrAJobThatIsNotOnTheList) {
   for (const char* path :
        {"/../../etc/passwd", "/jobs/../../etc/passwd", "/jobs/1-hall/../../../etc/passwd",
