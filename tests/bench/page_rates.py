@@ -1,14 +1,18 @@
 """What the pages cost: first paint with many jobs, from a round's end to its pixel, processor time of many viewers.
 
-    PATH=build/release/bin:$PATH python3 tests/bench/page_rates.py [JOBS] [VIEWERS]
+    deploy/build.sh release cairn cairn-page cairn-worker many_jobs
+    PATH=$PWD/build/release/bin:$PWD/build/release/tests/bench:$PATH python3 tests/bench/page_rates.py [JOBS] [VIEWERS] [STORE]
 
-In a folder of its own; needs chromium and chromedriver. JOBS: 10000, VIEWERS: 50.
+In a folder of its own; needs chromium and chromedriver. JOBS: 10000, VIEWERS: 50. STORE: a store with
+jobs, of which a copy is used, for each submission takes longer the more there are: JOBS is 0 then.
 """
 import datetime
 import http.client
 import json
 import os
 import re
+import shutil
+import subprocess
 import sys
 import tempfile
 import threading
@@ -48,7 +52,7 @@ def view(port, cookie, path, stop, counts):
     connection.close()
 
 
-def viewers_cost(coordinator, page, port, cookie, path, viewers, seconds=20):
+def viewers_cost(coordinator, page, port, cookie, path, viewers, seconds=10):
     stop, counts = threading.Event(), []
     threads = [threading.Thread(target=view, args=(port, cookie, path, stop, counts), daemon=True)
                for _ in range(viewers)]
@@ -64,7 +68,7 @@ def viewers_cost(coordinator, page, port, cookie, path, viewers, seconds=20):
           f'{(sum(counts) - received) / seconds / 1e3:.0f} kB/s')
 
 
-def round_to_pixel(browser, origin, job, log, seconds=20):
+def round_to_pixel(browser, origin, job, log, seconds=40):
     """How much later than in the coordinator's log the line of a round is in the page, in seconds, sorted."""
     browser.open(origin + '/jobs/' + job)
     browser.until(lambda: 'round 3:' in browser.text('.log'), 'rounds')
@@ -86,39 +90,42 @@ def round_to_pixel(browser, origin, job, log, seconds=20):
 def main():
     jobs = int(sys.argv[1]) if len(sys.argv) > 1 else 10000
     viewers = int(sys.argv[2]) if len(sys.argv) > 2 else 50
+    store = os.path.abspath(sys.argv[3]) if len(sys.argv) > 3 else None
     folder = tempfile.TemporaryDirectory(prefix='cairn-page-rates-', ignore_cleanup_errors=True)
     os.chdir(folder.name)
     os.environ.update(HOME=folder.name, CAIRN_HOME=folder.name + '/home')
     os.environ.pop('CAIRN_COORDINATOR', None)
-    cairn('simulate', 'loop', '--difficulty', 'paper', '--seed', '7', 'log.h5')
-    os.mkdir('logs')
-    for i in range(jobs):
-        os.link('log.h5', f'logs/{i:05}.h5')
+    cairn('simulate', 'loop', '--difficulty', 'base', '--robots', '4', '--seed', '1', 'log.h5')
+    if store:
+        os.mkdir('home', 0o700)
+        shutil.copytree(store, 'home/store')
     with Service() as service:
         coordinator = service.coordinator('--checkpoint-interval', '60', before=('--log-format', 'json'))
         begin = time.monotonic()
-        for first in range(0, jobs, 1000):
-            cairn('submit', 'landmark_map', '--each', f'logs/{first // 1000:02}*.h5')
-        print(f'{jobs} jobs were submitted in {time.monotonic() - begin:.0f} s')
+        if jobs:
+            subprocess.run(['many_jobs', f'ipc://{folder.name}/home/coordinator.ipc', str(jobs)], check=True)
+            print(f'{jobs} jobs were submitted in {time.monotonic() - begin:.0f} s')
         open('page.log', 'w').close()
         page = service.start('cairn', 'page', log='page.log')
         link = until(lambda: re.findall(r'^open (http\S+)$', open('page.log').read(), re.M), 'a link')[-1]
         browser = Browser()
         browser.open(link)
-        browser.until(lambda: browser.has('#jobs tbody tr'), 'jobs')
+        browser.until(lambda: browser.has('#jobs'), 'jobs')
         origin = browser.run('return location.origin')
-        paints = first_paint(browser, origin)
-        print('first contentful paint: median %.0f ms, of %s' % (paints[len(paints) // 2], [round(p) for p in paints]))
+        if jobs or store:
+            paints = first_paint(browser, origin)
+            print('first contentful paint: median %.0f ms, of %s' % (paints[len(paints) // 2], [round(p) for p in paints]))
         port = int(origin.rsplit(':', 1)[1])
         cookie = [c for c in browser.ask('GET', '/cookie')][0]
         cookie = cookie['name'] + '=' + cookie['value']
         browser.open('about:blank')
         for count in (1, viewers):
             viewers_cost(coordinator.pid, page.pid, port, cookie, '/events?for=/', count)
-        # A job that runs, with a round in each second or so.
-        cairn('cancel', '--name', '*', '--state', 'queued')
+        # A job of minutes that runs.
+        if jobs or store:
+            cairn('cancel', '--name', 'tour-*', '--state', 'queued')
         service.worker()
-        job = submit('landmark_map', 'log.h5', '--seed', '5', '--set', 'iterations=400', '--set', 'cell_m=0.5')
+        job = submit('landmark_map', 'log.h5', '--seed', '5', '--set', 'cell_m=0.35')
         until(lambda: 'round 2:' in cairn('logs', job), 'rounds')
         for count in (1, viewers):
             viewers_cost(coordinator.pid, page.pid, port, cookie, '/events?for=/jobs/' + job, count)
