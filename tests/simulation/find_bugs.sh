@@ -31,7 +31,7 @@ copy=$scratch/sources build=$scratch/build sim=$scratch/build/bin/cairn-sim
 mkdir -p "$copy" "$build"
 # Only what changed, so that what was built stays built.
 renew() { cmp -s "$root/$1" "$copy/$1" || install -D "$root/$1" "$copy/$1"; }
-(cd "$root" && find cmake schema coordinator tests/simulation -type f) | while read -r file; do renew "$file"; done
+(cd "$root" && find cmake schema coordinator deploy/kubernetes tests/simulation -type f) | while read -r file; do renew "$file"; done
 # The core, the simulator, and nothing else.
 cat >"$copy/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.25)
