@@ -130,7 +130,11 @@ void ResultsCache::Do(const std::string& key, const std::string& job) {
   std::vector<Then> waiting;
   {
     const std::lock_guard lock(mutex_);
-    Keep(key, fetched);
+    std::error_code ignored;
+    if (fetched->whole || !fetched->files.stages.empty())
+      Keep(key, fetched);
+    else
+      fs::remove_all(folder, ignored);
     waiting = std::move(awaited_[key]);
     awaited_.erase(key);
   }
