@@ -56,7 +56,9 @@ Result<Holder> ReadHolder(const std::filesystem::path& path) {
   words >> holder.number >> state >> holder.host >> holder.boot >> holder.process;
   holder.serves = state == "serves";
   if (!words || holder.number == 0 || text.value() != HolderLine(holder))
-    return Status(Code::kCorrupt, path.string() + ": does not say who serves the store");
+    return Status(Code::kCorrupt, path.string() +
+                                      ": does not say who serves the store; where no other machine does, "
+                                      "start with --take-over");
   return holder;
 }
 

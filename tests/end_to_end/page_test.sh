@@ -6,9 +6,9 @@
 # changes the pages looks at them.
 source "$(dirname "$0")/common.sh"
 
-for program in chromium chromedriver python3; do
-  command -v "$program" >/dev/null || skip "no $program here (deploy/install.sh --browser)"
-done
+command -v chromium >/dev/null || skip "no chromium here (deploy/install.sh --browser)"
+command -v chromedriver >/dev/null || skip "no chromedriver here (deploy/install.sh --browser)"
+command -v python3 >/dev/null || skip "there is no python3"
 here=$(cd "$(dirname "$0")" && pwd)
 
 # What it refuses, before anybody is let in.

@@ -3,9 +3,9 @@
 # there; two beside each other are looked at together. An error in the browser's console fails it.
 source "$(dirname "$0")/common.sh"
 
-for program in chromium chromedriver python3; do
-  command -v "$program" >/dev/null || skip "no $program here (deploy/install.sh --browser)"
-done
+command -v chromium >/dev/null || skip "no chromium here (deploy/install.sh --browser)"
+command -v chromedriver >/dev/null || skip "no chromedriver here (deploy/install.sh --browser)"
+command -v python3 >/dev/null || skip "there is no python3"
 here=$(cd "$(dirname "$0")" && pwd)
 
 exits 0 cairn simulate loop --difficulty paper --robots 2 --seed 3 log.h5

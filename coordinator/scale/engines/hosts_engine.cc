@@ -25,12 +25,14 @@ command -v setsid >/dev/null || { echo "it has no setsid (util-linux)" >&2; exit
 : >writable || exit 1
 )sh";
 
-// The shell that waits for a worker outlives a signal to both, to say how it ended.
+// The shell that waits for a worker outlives a signal to both, to say how it ended. It is waited for until it
+// does, or is gone: its number comes once it has set its trap.
 constexpr const char* kBegin = R"sh(
 begin() {
   rm -f "$1.exit"
-  setsid sh -c 'trap : TERM INT; "$@"; echo $? >"$0.end"; mv "$0.end" "$0.exit"' "$@" </dev/null >>"$1.log" 2>&1 &
-  echo "$! $(began $!)" >"$1.pid"
+  pid=$(setsid sh -c 'trap : TERM INT; echo $$; exec >>"$0.log"; "$@"; echo $? >"$0.end"; mv "$0.end" "$0.exit"' \
+    "$@" </dev/null 2>>"$1.log" &)
+  echo "$pid $(began "$pid")" >"$1.pid"
 }
 )sh";
 

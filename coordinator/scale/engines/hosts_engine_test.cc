@@ -53,10 +53,10 @@ struct Hosts {
     fs::remove_all(dir);
     fs::create_directories(dir / "keys");
     std::ofstream(dir / "program") << "#!/bin/sh\n"
+                                      "trap 'echo told to go; exit 0' TERM\n"
                                       "echo \"$@\" >>\""
                                    << (dir / "begun").string()
                                    << "\"\n"
-                                      "trap 'echo told to go; exit 0' TERM\n"
                                       "until [ -e \""
                                    << (dir / "end").string()
                                    << "\" ] || ! [ -e \"$0\" ]; do sleep 0.05; done\n"
@@ -80,6 +80,11 @@ struct Hosts {
     fs::remove_all(dir, ignored);
   }
 
+  // How many programs have set their traps.
+  std::ptrdiff_t Begun() const {
+    std::ifstream file(dir / "begun");
+    return std::count(std::istreambuf_iterator<char>(file), {}, '\n');
+  }
   std::vector<EngineWorker> ListUntil(Engine& engine,
                                       const std::function<bool(const std::vector<EngineWorker>&)>& is) {
     for (int i = 0; i < 1200; ++i) {
@@ -109,6 +114,22 @@ std::vector<std::string> Names(int first, int last) {
   return names;
 }
 
+// The shell that waits for a worker is there before anybody is told of it.
+TEST(HostsEngine, AWorkerThatIsToldToGoAtOnceSaysHowItEnded) {
+  Hosts hosts;
+  HostsEngine engine(hosts.options);
+  ASSERT_TRUE(engine.List().ok());
+  for (int i = 0; i < 5; ++i) {
+    const std::vector<std::string> names = Names(10 * i, 10 * i + 4);
+    ASSERT_EQ(engine.Start(names).names.size(), 5U);
+    ASSERT_TRUE(engine.Stop(names).ok());
+    for (const EngineWorker& worker : hosts.ListEnded(engine, 5))
+      EXPECT_EQ(worker.why.find("its process is gone"), std::string::npos) << worker.name;
+    engine.Forget(names);
+    ASSERT_TRUE(engine.List().ok());
+  }
+}
+
 TEST(HostsEngine, StartsWhereThereIsRoomAndAnotherFindsThemAgain) {
   Hosts hosts;
   HostsEngine engine(hosts.options);
@@ -125,6 +146,7 @@ TEST(HostsEngine, StartsWhereThereIsRoomAndAnotherFindsThemAgain) {
   EXPECT_EQ(another.Start(Names(7, 7)).names.size(), 0U);
 
   // Those that are told to go say why they went, in the end.
+  hosts.ListUntil(another, [&](const auto&) { return hosts.Begun() == 5; });
   ASSERT_TRUE(another.Stop({"w-1", "w-2"}).ok());
   for (const EngineWorker& worker : hosts.ListEnded(another, 2)) EXPECT_EQ(worker.why, "");
   another.Forget({"w-1", "w-2"});
