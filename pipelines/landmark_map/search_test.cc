@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "pipelines/landmark_map/landmark_map.h"
 #include "pipelines/landmark_map/testing.h"
@@ -217,14 +218,15 @@ TEST(Search, ADriftFarOutsideItsPriorMustPay) {
 }
 
 // A robot that goes round among six posts that look alike and sees those near it and ahead. Its odometry
-// turns by 3 degrees a metre too much, and the log says nothing of how it errs.
+// turns by four degrees a metre too much, and the log says nothing of how it errs.
 TEST(Search, SeesAtADistanceWhatOneStartDoesNotFind) {
-  const auto log = std::make_shared<const Blob>(PostsLog{}.Make());
+  constexpr double kDrift_rad_per_m = 4.0 * std::numbers::pi / 180.0;
+  const auto log = std::make_shared<const Blob>(PostsLog{.drift_rad_per_m = kDrift_rad_per_m}.Make());
   const BlobPtr once = SearchedMap(*log, {.starts = 1}), searched = SearchedMap(*log, {});
   EXPECT_NE(once->Get<double>("map/landmark_x_m").size(), 6U);
   EXPECT_EQ(searched->Get<double>("map/landmark_x_m").size(), 6U);
   EXPECT_GE(searched->Scalar<std::int32_t>("search/starts"), 10);
-  EXPECT_NEAR(searched->Scalar<double>("robot/0/heading_drift_rad_per_m"), PostsLog{}.drift_rad_per_m, 0.003);
+  EXPECT_NEAR(searched->Scalar<double>("robot/0/heading_drift_rad_per_m"), kDrift_rad_per_m, 0.003);
   const auto landmark = searched->Get<std::int32_t>("robot/0/observations/map_landmark");
   EXPECT_LT(std::ranges::count(landmark, -1), static_cast<std::ptrdiff_t>(landmark.size() / 20))
       << "images that EM leaves out are told apart too";

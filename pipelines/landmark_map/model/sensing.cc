@@ -25,18 +25,42 @@ void AppendDistancesBetween(const kinds::Log::Robot& robot, std::vector<double>*
   }
 }
 
-double Median(std::vector<double> values) {
+// So much of the values is below.
+double Quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+  std::ranges::nth_element(values, at);
+  return *at;
+}
+double Median(std::vector<double> values) { return Quantile(std::move(values), 0.5); }
+
+// From each observation to the nearest other one of its image, or `farthest_m`. More are in no image.
+constexpr std::size_t kMostInImage = 256;
+void AppendDistancesInImages(const kinds::Log::Robot& robot, double farthest_m,
+                             std::vector<double>* distances) {
+  const auto& seen = robot.observations;
+  for (std::size_t begin = 0, end = 0; begin < seen.time_s.size(); begin = end) {
+    while (end < seen.time_s.size() && end - begin < kMostInImage && seen.time_s[end] == seen.time_s[begin])
+      ++end;
+    for (std::size_t i = begin; i < end; ++i) {
+      double nearest_m = farthest_m;
+      for (std::size_t j = begin; j < end; ++j) {
+        if (j == i) continue;
+        const double turn_rad = seen.bearing_rad[i] - seen.bearing_rad[j];
+        const double along_m = seen.range_m[i] * std::cos(turn_rad) - seen.range_m[j];
+        const double distance_m = std::hypot(along_m, seen.range_m[i] * std::sin(turn_rad));
+        if (distance_m < nearest_m) nearest_m = distance_m;  // of contact detections it is not a number
+      }
+      distances->push_back(nearest_m);
+    }
+  }
 }
 
 }  // namespace
 
 Sensing LookAt(const kinds::Log& log) {
   Sensing sensing;
-  std::vector<double> between;
+  std::vector<double> between, apart;
   for (const kinds::Log::Robot& robot : log.robot) {
     for (const std::int32_t landmark : robot.observations.landmark)
       sensing.identified += landmark >= 0 ? 1 : 0;
@@ -50,6 +74,9 @@ Sensing LookAt(const kinds::Log& log) {
     }
   }
   sensing.between_m = Median(std::move(between));
+  for (const kinds::Log::Robot& robot : log.robot)
+    AppendDistancesInImages(robot, sensing.max_range_m, &apart);
+  sensing.apart_m = Quantile(std::move(apart), 0.05);
   return sensing;
 }
 

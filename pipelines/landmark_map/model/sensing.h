@@ -11,6 +11,9 @@ struct Sensing {
   std::int64_t observations = 0, ranged = 0, identified = 0;
   double mean_range_m = 0.0, max_range_m = 0.0;
   double between_m = 0.0;  // distance from one observation to the next, the median
+  // From a landmark to the nearest other one that its image, the observations at one time, shows with it, or
+  // to the end of view where it shows no other: the shortest but for a twentieth, which may be false.
+  double apart_m = 0.0;
 };
 
 Sensing LookAt(const kinds::Log& log);

@@ -156,13 +156,12 @@ void VisitOptions(V& visit, Options& o) {
         o.tables);
   visit(Option{"radius_m", "m", 0, 1000,
                "perceptual radius of landmarks without identity; 0: two thirds of the distance between "
-               "contact detections, or "
-               "what one range-bearing observation cannot tell apart"},
+               "contact detections, or of the distance that landmarks keep in images, or what one "
+               "range-bearing observation cannot tell apart, whichever is more"},
         o.radius_m);
   visit(Option{"core_m", "m", 0, 1000,
                "landmarks without identity nearer than this are one; 0: a quarter of the radius, of "
-               "range-bearing observations "
-               "all of it"},
+               "range-bearing observations what one cannot tell apart"},
         o.core_m);
   visit(Option{"prior_count", "observations", 0, 1000,
                "evidence against a landmark, in expected observations, that each cell starts with (landmarks "

@@ -160,14 +160,18 @@ Detection DetectionOf(const kinds::Log& log, const Sensing& sensing) {
           sensing.ranged == 0 && sensing.identified == 0};
 }
 
-// How far landmarks without identity reach, by the scale of the log.
+// How far landmarks without identity reach, by the scale of the log: within a radius they contend for what
+// was observed, within a core they are one. Those that images show beside each other keep their distance:
+// what lies nearer together is of one landmark, though the robot's place was not known.
 void SetReach(const Options& options, const Sensing& sensing, MapRules* map) {
-  constexpr double kNotTold = 4.0;  // standard deviations within which two may be of one landmark
+  constexpr double kNotTold = 4.0;        // standard deviations within which two may be of one landmark
+  constexpr double kContend = 2.0 / 3.0;  // of the distance between two
   const bool ranged = sensing.ranged > 0;
-  const double radius =
-      ranged ? kNotTold * map->observation_m : RoundNumber(2.0 / 3.0 * std::max(sensing.between_m, 0.1));
+  const double not_told_m = kNotTold * map->observation_m;
+  const double radius = ranged ? std::max(not_told_m, kContend * sensing.apart_m)
+                               : RoundNumber(kContend * std::max(sensing.between_m, 0.1));
   map->radius_m = options.radius_m > 0 ? options.radius_m : radius;
-  map->core_m = options.core_m > 0 ? options.core_m : ranged ? radius : 0.25 * map->radius_m;
+  map->core_m = options.core_m > 0 ? options.core_m : ranged ? not_told_m : 0.25 * map->radius_m;
 }
 
 // The part of the path on which odometry keeps its heading to within `most_rad`.
@@ -261,6 +265,21 @@ Seen ReadSeen(const Blob& blob) {
   return seen;
 }
 
+// With how much of the data EM starts: as far as odometry can be trusted where landmarks contend over more
+// than an observation's error, for then EM finds its way back from afar. Not where nothing is said of its
+// drift: starts lie so far apart that all of a sparse log fits some wrong drift, and what is seen at a
+// distance leads each from its beginning on.
+double GrowthStart(const Options& options, const Seen& seen, const Settings& settings) {
+  constexpr double kTrusted_rad = 24.0 * kDegree, kBeginning = 0.05;
+  if (options.growth_start > 0) return options.growth_start;
+  const Sensing& sensing = seen.sensing;
+  const bool contend =
+      sensing.identified < sensing.observations && settings.map.radius_m > settings.map.core_m;
+  return sensing.ranged == 0 || (contend && TellsDrift(seen.log))
+             ? TrustedShare(seen.odometry, settings.noise, kTrusted_rad)
+             : kBeginning;
+}
+
 Settings ResolveWith(const Options& options, const Seen& seen, int starts) {
   const kinds::Log& log = seen.log;
   const Sensing& sensing = seen.sensing;
@@ -316,12 +335,9 @@ Settings ResolveWith(const Options& options, const Seen& seen, int starts) {
   settings.whole_tables = options.tables == "whole";
   settings.box_m = options.box_m;
   settings.places = Square(extent / grid.cell_m + 1.0);
-  constexpr double kTrusted_rad = 24.0 * kDegree;
-  settings.growth_start = options.growth_start > 0 ? options.growth_start
-                          : sensing.ranged == 0    ? TrustedShare(seen.odometry, settings.noise, kTrusted_rad)
-                                                   : 0.05;
   constexpr double kFast = 2.0, kCareful = 1.3;  // a landmark that is not told must be recognised
   const bool careful = sensing.identified < sensing.observations;
+  settings.growth_start = GrowthStart(options, seen, settings);
   settings.growth_factor = options.growth_factor > 0 ? options.growth_factor : careful ? kCareful : kFast;
   CheckGridSize(options, settings, extent + 2.0 * std::max(settings.map.radius_m, sensing.max_range_m),
                 robots > 1 && sensing.ranged == 0);

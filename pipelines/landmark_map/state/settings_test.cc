@@ -63,13 +63,36 @@ TEST(Resolve, ReachOfLandmarksWithoutIdentityFollowsTheLogsScale) {
   }
 }
 
+// One at a time is in view, 9 m ahead: two are further apart than that.
 TEST(Resolve, WhatOneObservationCannotTellApartIsOneLandmark) {
   const Blob log = SquareLog{.laps = 2, .side_m = 20.0, .ranged = true}.Make();
   const MapRules rules = Resolve({}, log).map;
-  EXPECT_DOUBLE_EQ(rules.radius_m, 4.0 * rules.observation_m);
-  EXPECT_DOUBLE_EQ(rules.core_m, rules.radius_m);
-  EXPECT_LT(rules.radius_m, 5.0);
+  EXPECT_DOUBLE_EQ(rules.core_m, 4.0 * rules.observation_m);
+  EXPECT_LT(rules.core_m, 5.0);
+  EXPECT_DOUBLE_EQ(rules.radius_m, 2.0 / 3.0 * 9.0);
   EXPECT_EQ(Resolve({.radius_m = 7.0, .core_m = 1.5}, log).map.radius_m, 7.0);
+}
+
+// Where images show two side by side neither takes the other's observations.
+TEST(Resolve, LandmarksThatImagesShowBesideEachOtherDoNotContend) {
+  Blob log = SquareLog{.laps = 2, .side_m = 20.0, .ranged = true}.Make();
+  auto bearing_rad = log.Get<double>("robot/0/observations/bearing_rad");
+  std::vector<double> time_s, turned(bearing_rad.begin(), bearing_rad.end());
+  for (std::size_t k = 0; k < turned.size(); ++k) time_s.push_back(10.0 + 20.0 * static_cast<double>(k / 2));
+  for (std::size_t k = 0; k < turned.size(); k += 2) turned[k] = 0.1;
+  log.PutVector("robot/0/observations/time_s", time_s);
+  log.PutVector("robot/0/observations/bearing_rad", turned);
+  const MapRules rules = Resolve({}, log).map;
+  EXPECT_DOUBLE_EQ(rules.radius_m, rules.core_m) << "0.9 m apart";
+}
+
+// Seen at a distance: as far as odometry is trusted where landmarks contend and its drift is stated.
+TEST(Resolve, TheFirstIterationBeginsWithATwentiethWhereNothingIsSaidOfTheDrift) {
+  Blob log = SquareLog{.laps = 2, .side_m = 20.0, .ranged = true}.Make();
+  EXPECT_DOUBLE_EQ(Resolve({}, log).growth_start, 0.05);
+  log.PutScalar<double>("noise/heading_drift_rad_per_m", 1e-4);
+  EXPECT_GT(Resolve({}, log).growth_start, 0.5);
+  EXPECT_DOUBLE_EQ(Resolve({.radius_m = 0.1}, log).growth_start, 0.05) << "nothing contends";
 }
 
 TEST(Resolve, ObservationsWithoutIdentityGrowThePrefixMoreCarefully) {
