@@ -1,15 +1,23 @@
 #include "coordinator/core/blob_ledger.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace cairn::coordinator {
 
 void BlobLedger::Add(Hold& hold, const Hash& hash) {
   if (hold.insert(hash).second) ++counts_[hash];
 }
 
-void BlobLedger::Replace(Hold& hold, const HashSet& hashes) {
+void BlobLedger::Replace(Hold& hold, HashSet hashes) {
   for (const Hash& hash : hashes) ++counts_[hash];
   for (const Hash& hash : hold) Decrease(hash);
-  hold = hashes;
+  hold = std::move(hashes);
+}
+
+void BlobLedger::Move(Hold& from, Hold& to) {
+  Release(to);
+  to = std::exchange(from, {});
 }
 
 void BlobLedger::Decrease(const Hash& hash) {
@@ -17,7 +25,7 @@ void BlobLedger::Decrease(const Hash& hash) {
   CAIRN_DEMAND(it != counts_.end(), "released more often than held");
   if (--it->second > 0) return;
   counts_.erase(it);
-  candidates_.insert(hash);
+  candidates_.push_back(hash);
 }
 
 std::vector<Hash> BlobLedger::TakeDropped() {
@@ -25,6 +33,8 @@ std::vector<Hash> BlobLedger::TakeDropped() {
   for (const Hash& hash : candidates_)
     if (!Held(hash)) dropped.push_back(hash);
   candidates_.clear();
+  std::sort(dropped.begin(), dropped.end());
+  dropped.erase(std::unique(dropped.begin(), dropped.end()), dropped.end());
   return dropped;
 }
 

@@ -8,6 +8,7 @@ namespace cairn::coordinator {
 std::vector<Action> Core::Handle(const Event& event, double now_s) {
   CAIRN_DEMAND(now_s >= now_s_, "time runs backwards");
   now_s_ = now_s;
+  if (!behind_) caught_up_s_ = now_s;
   LeaveOutStandstill();
   std::visit([this](const auto& e) { On(e); }, event);
   Settle();
@@ -64,6 +65,13 @@ namespace {
 std::map<std::string, std::uint32_t> CountWorkers(const Fleet& fleet) {
   std::map<std::string, std::uint32_t> counts;
   for (const auto& [number, worker] : fleet.workers()) {
+    const auto same = [&worker](const AssignedTask& task) {
+      return task.key.job() == worker.assigned.front().key.job();
+    };
+    if (!worker.assigned.empty() && std::all_of(worker.assigned.begin(), worker.assigned.end(), same)) {
+      ++counts[worker.assigned.front().key.job()];  // nearly always
+      continue;
+    }
     std::set<std::string> jobs;
     for (const AssignedTask& task : worker.assigned) jobs.insert(task.key.job());
     for (const std::string& job : jobs) ++counts[job];

@@ -111,6 +111,7 @@ class Core {
 
   // Null where it may work here.
   std::optional<wire::Refusal> WhyRefused(const wire::Hello& hello) const;
+  double HeartbeatSeconds() const;         // of one that joins now
   Worker* Heard(const std::string& peer);  // null, and asked to say Hello, where it is not known
   // It says Hello anew, and has forgotten its tasks. True where it was to leave.
   void SayMoved(Report::Level level, const std::string& what);
@@ -225,7 +226,9 @@ class Core {
   FairShare share_;
   Fleet fleet_;
   std::map<std::uint64_t, LostAttempt> lost_;  // of the last back_s, by Hello.process
-  std::optional<double> ticked_s_;             // when it was last seen not to stand still
+  bool behind_ = false;                        // as the last Tick said
+  double caught_up_s_ = 0;  // all that had come by then was read: who was slow or silent is judged by it
+  std::optional<double> ticked_s_;  // when it was last seen not to stand still
   BlobLedger ledger_;
   Tally tally_;
   std::vector<Action> actions_;

@@ -101,9 +101,9 @@ Job* Core::JobOf(const wire::TaskKey& key) {
 }
 
 // Deep queues keep short tasks flowing; where they are long, an idle worker takes over what waits behind
-// another.
+// another. Not by what may have been answered long ago.
 bool Core::MoveQueued() {
-  Worker* busiest = fleet_.Idle() == nullptr ? nullptr : fleet_.Busiest();
+  Worker* busiest = behind_ || fleet_.Idle() == nullptr ? nullptr : fleet_.Busiest();
   if (busiest == nullptr) return false;
   const wire::TaskKey key = busiest->assigned.back().key;
   const Job* running = JobOf(key);
@@ -122,7 +122,7 @@ void Core::CopyStragglers() {
   std::map<std::string, double> medians_s;  // by job
   std::vector<std::pair<double, wire::TaskKey>> stragglers;
   for (const auto& [number, worker] : fleet_.workers()) {
-    const double runs_s = now_s_ - worker.head_s;
+    const double runs_s = caught_up_s_ - worker.head_s;
     if (worker.assigned.empty() || runs_s < options_.straggler_min_s) continue;
     const wire::TaskKey& key = worker.assigned.front().key;
     const Job* job = key.kind() == wire::TaskKey::RUN ? JobOf(key) : nullptr;

@@ -29,6 +29,35 @@ TEST(CoreDispatch, ALateJoinerTakesOverWhatWaitsBehindAnother) {
   EXPECT_TRUE(fixture.assigned.empty()) << "a worker that has something takes no more";
 }
 
+// Else a coordinator that has more to do than it can gives itself more.
+TEST(CoreDispatch, WhereMessagesWaitToBeReadNoTaskIsMovedOrCopiedAndNobodyIsLost) {
+  CoreFixture fixture;
+  Begin(fixture, 7, 4);
+  fixture.Join("x", 3);
+  for (std::uint64_t i = 0; i < 7; ++i) {
+    const auto task = fixture.Next();
+    fixture.now_s += 0.1;
+    if (task.assign.key().task() != 0) fixture.AnswerRun(task, H(10 + i));
+  }
+  const double lease_s = CoreOptions().lease_s;
+  fixture.assigned.clear();
+  const auto pass = [&](double seconds, bool behind) {
+    for (; seconds > 0; --seconds) {
+      ++fixture.now_s;
+      fixture.Do(Tick{behind});
+    }
+  };
+  pass(1.5 * lease_s, true);
+  fixture.Heartbeat("x");
+  fixture.Heartbeat("w");  // as it was before it had the task, for all that is known
+  EXPECT_TRUE(fixture.assigned.empty());
+  EXPECT_EQ(fixture.core.fleet().size(), 2u);
+  pass(1, false);
+  EXPECT_FALSE(fixture.assigned.empty()) << "a copy of the task that none has answered";
+  pass(6 * lease_s, true);
+  EXPECT_EQ(fixture.core.fleet().size(), 0u) << "one that is always behind loses who is gone, too";
+}
+
 TEST(CoreDispatch, AnIdleWorkerCopiesAStragglerAndTheFirstAnswerCounts) {
   CoreFixture fixture;
   Begin(fixture, 4);

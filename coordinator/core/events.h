@@ -117,7 +117,10 @@ struct ForgetFailed {
 };
 // Checkpoints that wait for their interval are wanted now: the service is about to end.
 struct SaveNow {};
-struct Tick {};
+struct Tick {
+  bool behind =
+      false;  // messages have come that were not read yet: who seems slow or silent may be among them
+};
 
 using Event =
     std::variant<WorkerHello, WorkerHeartbeat, WorkerLeave, WorkerLost, DrainWorker, TaskDone, TaskFailed,

@@ -57,9 +57,9 @@ void Fleet::Refile(Worker& worker, const Change& change) {
 
 Worker& Fleet::Add(const std::string& peer, const wire::Hello& hello, double now_s) {
   const std::uint64_t number = next_number_++;
-  numbers_[peer] = number;
   if (hello.process() != 0) processes_[hello.process()] = number;
   Worker& worker = workers_[number];
+  by_peer_[peer] = &worker;
   worker.number = number;
   worker.peer = peer;
   worker.hello = hello;
@@ -70,24 +70,24 @@ Worker& Fleet::Add(const std::string& peer, const wire::Hello& hello, double now
 }
 
 void Fleet::Remove(const std::string& peer) {
-  const auto it = numbers_.find(peer);
-  if (it == numbers_.end()) return;
-  Worker& worker = workers_.at(it->second);
+  const auto it = by_peer_.find(peer);
+  if (it == by_peer_.end()) return;
+  Worker& worker = *it->second;
   Unfile(worker);
   for (const Hash& blob : worker.has) {
     const auto owners = owners_.find(blob);
-    owners->second.erase(worker.number);
+    std::erase(owners->second, worker.number);
     if (owners->second.empty()) owners_.erase(owners);
   }
   const auto process = processes_.find(worker.hello.process());
   if (process != processes_.end() && process->second == worker.number) processes_.erase(process);
-  workers_.erase(it->second);
-  numbers_.erase(it);
+  by_peer_.erase(it);
+  workers_.erase(worker.number);
 }
 
 Worker* Fleet::Find(const std::string& peer) {
-  const auto it = numbers_.find(peer);
-  return it == numbers_.end() ? nullptr : &workers_.at(it->second);
+  const auto it = by_peer_.find(peer);
+  return it == by_peer_.end() ? nullptr : it->second;
 }
 
 Worker* Fleet::Find(std::uint64_t number) {
@@ -140,7 +140,7 @@ void Fleet::Trust(Worker& worker) {
 }
 
 void Fleet::NoteBlob(Worker& worker, const Hash& blob) {
-  if (worker.has.insert(blob).second) owners_[blob].insert(worker.number);
+  if (worker.has.insert(blob).second) owners_[blob].push_back(worker.number);
 }
 
 void Fleet::Forget(const std::vector<Hash>& dropped) {

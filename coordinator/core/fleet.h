@@ -8,6 +8,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -31,12 +32,13 @@ struct Worker {
   std::uint64_t number = 0;  // by the order in which they were accepted
   std::string peer;
   wire::Hello hello;
-  double heard_s = 0;     // last sign of life
-  double moved_s = 0;     // last sign of progress: an answer, a tick, or its first task
-  double head_s = 0;      // when the first assigned came to be the first
-  bool hung = false;      // gets nothing until it moves again
-  bool draining = false;  // gets nothing any more, and leaves
-  bool doubted = false;   // another was lost since this one was last heard of: it may be gone, too
+  double heartbeat_s = 1;  // it was told to send one at least this often
+  double heard_s = 0;      // last sign of life
+  double moved_s = 0;      // last sign of progress: an answer, a tick, or its first task
+  double head_s = 0;       // when the first assigned came to be the first
+  bool hung = false;       // gets nothing until it moves again
+  bool draining = false;   // gets nothing any more, and leaves
+  bool doubted = false;    // another was lost since this one was last heard of: it may be gone, too
   std::vector<AssignedTask> assigned;
   HashSet has;  // blobs that it was sent or made; it may have forgotten some
 
@@ -50,12 +52,19 @@ struct Worker {
 // No call but the loops over workers() costs more than the logarithm of their number.
 class Fleet {
  public:
+  Fleet() = default;
+  Fleet(const Fleet&) = delete;  // it points into itself
+  Fleet& operator=(const Fleet&) = delete;
   Worker& Add(const std::string& peer, const wire::Hello& hello, double now_s);
   void Remove(const std::string& peer);
   Worker* Find(const std::string& peer);
   const Worker* Find(const std::string& peer) const { return const_cast<Fleet*>(this)->Find(peer); }
-  Worker* FindProcess(const wire::Hello& hello);  // of the same process, over whatever connection
-  bool Knows(const std::string& peer) const { return numbers_.contains(peer); }
+  // Of the same process, over whatever connection. (A host's name and a process id two may have in common.)
+  Worker* FindProcess(const wire::Hello& hello);
+  const Worker* FindProcess(const wire::Hello& hello) const {
+    return const_cast<Fleet*>(this)->FindProcess(hello);
+  }
+  bool Knows(const std::string& peer) const { return by_peer_.contains(peer); }
   Worker* Find(std::uint64_t number);
   std::size_t size() const { return workers_.size(); }
   std::map<std::uint64_t, Worker>& workers() { return workers_; }  // by number
@@ -93,12 +102,12 @@ class Fleet {
 
   std::uint64_t next_number_ = 1;
   std::map<std::uint64_t, Worker> workers_;
-  std::map<std::string, std::uint64_t> numbers_;      // by peer
+  std::unordered_map<std::string, Worker*> by_peer_;
   std::map<std::uint64_t, std::uint64_t> processes_;  // numbers, by Hello.process where it says one
   std::size_t able_ = 0;
-  ByLoad open_;                                     // those that have room
-  ByLoad loaded_;                                   // those with two and more assigned
-  std::map<Hash, std::set<std::uint64_t>> owners_;  // workers by what they have
+  ByLoad open_;                                 // those that have room
+  ByLoad loaded_;                               // those with two and more assigned
+  HashMap<std::vector<std::uint64_t>> owners_;  // workers by what they have
 };
 
 const char* StateName(const Worker& worker);  // "idle"

@@ -284,14 +284,16 @@ proto::Checkpoint MakeCheckpoint(const Job& job, double now_s, bool with_partial
   for (const proto::StageFacts& facts : job.facts) *checkpoint.add_facts() = facts;
   checkpoint.set_seconds(job.Seconds(now_s));
   if (final) return checkpoint;  // published results are files of their own
-  HashSet blobs = job.holds.inputs;
-  blobs.insert(job.holds.results.begin(), job.holds.results.end());
-  blobs.insert(job.holds.step.begin(), job.holds.step.end());
+  std::vector<Hash> blobs(job.holds.inputs.begin(), job.holds.inputs.end());
+  blobs.insert(blobs.end(), job.holds.results.begin(), job.holds.results.end());
+  blobs.insert(blobs.end(), job.holds.step.begin(), job.holds.step.end());
   if (with_partials) {
-    blobs.insert(job.holds.partials.begin(), job.holds.partials.end());
+    blobs.insert(blobs.end(), job.holds.partials.begin(), job.holds.partials.end());
     for (const Hash& partial : job.partials)
       checkpoint.add_partials(partial.empty() ? std::string() : partial.Binary());
   }
+  std::sort(blobs.begin(), blobs.end());
+  blobs.erase(std::unique(blobs.begin(), blobs.end()), blobs.end());
   for (const Hash& blob : blobs) checkpoint.add_blobs(blob.Binary());
   return checkpoint;
 }

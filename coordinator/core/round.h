@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "coordinator/core/blob_ledger.h"
 #include "schema/hash.h"
 #include "schema/job.pb.h"
 #include "schema/wire.pb.h"
@@ -100,7 +101,7 @@ class Round {
 std::string CheckStep(const proto::Step& step);
 
 // The blobs that a step names: of its state, its tasks' inputs, its result.
-std::set<Hash> BlobsOfStep(const proto::Step& step);
+HashSet BlobsOfStep(const proto::Step& step);
 
 // Over a message's bytes with maps in the order of their keys: equal messages, equal hashes (within one
 // build).

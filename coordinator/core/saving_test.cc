@@ -49,6 +49,21 @@ TEST(CoreSaving, SavesAtMostOnceInAnIntervalAndThenTheLatest) {
   EXPECT_TRUE(fixture.All<Persist>().empty()) << "one at a time, and nothing new came";
 }
 
+TEST(CoreSaving, ManyPartialsAreSavedLessOftenThanFew) {
+  CoreOptions options;
+  options.checkpoint_interval_s = 0.001;
+  CoreFixture fixture(options);
+  Begin(fixture, 1001, 1000);
+  fixture.Advance(1);
+  ASSERT_EQ(fixture.All<Persist>().size(), 1u);
+  fixture.Do(PersistDone{"a", fixture.All<Persist>()[0].checkpoint.number()});
+  for (std::uint64_t i = 0; i < 1000; ++i) fixture.AnswerRun(fixture.Next(), H(5000 + i));
+  fixture.Advance(0.02);
+  EXPECT_TRUE(fixture.All<Persist>().empty());
+  fixture.Advance(0.02);
+  EXPECT_EQ(fixture.All<Persist>().size(), 1u);
+}
+
 TEST(CoreSaving, SavesEverySoManyRoundsWhereThatIsAskedForHoweverLongTheyTake) {
   CoreOptions options;
   options.checkpoint_rounds = 3;

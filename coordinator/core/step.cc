@@ -58,8 +58,8 @@ std::string CheckStep(const proto::Step& step) {
   return "";
 }
 
-std::set<Hash> BlobsOfStep(const proto::Step& step) {
-  std::set<Hash> hashes;
+HashSet BlobsOfStep(const proto::Step& step) {
+  HashSet hashes;
   const auto add = [&](const std::string& binary) { hashes.insert(Hash::FromBinary(binary).value()); };
   for (const auto& [name, hash] : step.state().blobs()) add(hash);
   for (const proto::Task& task : step.tasks())

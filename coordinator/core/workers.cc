@@ -38,12 +38,19 @@ void Core::On(const WorkerHello& event) {
     return;
   }
   Worker& worker = fleet_.Add(event.peer, hello, now_s_);
+  worker.heartbeat_s = HeartbeatSeconds();
   Send send{event.peer, {}};
-  send.message.mutable_welcome()->set_heartbeat_s(options_.heartbeat_s);
+  send.message.mutable_welcome()->set_heartbeat_s(worker.heartbeat_s);
   actions_.push_back(std::move(send));
   SayMoved(Report::kInfo, WorkerName(hello) + " joined");
   TakeBackBlame(hello);
   if (draining) BeginDraining(worker);
+}
+
+// Ten thousand workers that say twice a second that they are there would leave room for little else.
+double Core::HeartbeatSeconds() const {
+  constexpr double kMany = 2500, kSlowest = 3;
+  return options_.heartbeat_s * std::clamp(static_cast<double>(fleet_.size()) / kMany, 1.0, kSlowest);
 }
 
 // Who may join may do so, and leave, a thousand times a second: the log is not to fill a disk.
@@ -107,7 +114,7 @@ void Core::On(const WorkerHeartbeat& event) {
 void Core::DropUnlisted(Worker& worker, const wire::Heartbeat& heartbeat) {
   std::vector<wire::TaskKey> lost;
   for (const AssignedTask& task : worker.assigned) {
-    if (now_s_ - task.since_s <= options_.unlisted_s) continue;
+    if (caught_up_s_ - task.since_s <= options_.unlisted_s) continue;
     const bool listed = std::any_of(heartbeat.tasks().begin(), heartbeat.tasks().end(),
                                     [&task](const wire::TaskKey& key) { return SameAttempt(key, task.key); });
     if (!listed) lost.push_back(task.key);
@@ -215,14 +222,18 @@ void Core::LeaveOutStandstill() {
                               " s, which counts for no worker's silence");
 }
 
-void Core::On(const Tick&) {
+void Core::On(const Tick& event) {
+  constexpr double kBehindCounts = 6;  // leases: one that is behind for ever must find out, too
   all_touched_ = true;
+  behind_ = event.behind;
+  if (!behind_) caught_up_s_ = now_s_;
   ticked_s_ = now_s_;
   std::erase_if(lost_, [this](const auto& entry) { return now_s_ - entry.second.since_s > options_.back_s; });
   std::vector<std::string> silent;
   std::vector<std::pair<std::string, std::string>> given_up;
   for (const auto& [number, worker] : fleet_.workers()) {
-    if (now_s_ - worker.heard_s > options_.lease_s)
+    if (caught_up_s_ - worker.heard_s > options_.lease_s ||
+        now_s_ - worker.heard_s > kBehindCounts * options_.lease_s)
       silent.push_back(worker.peer);
     else if (const std::string why = WhyGiveUp(worker); !why.empty())
       given_up.emplace_back(worker.peer, why);

@@ -6,6 +6,20 @@
 namespace cairn::coordinator {
 namespace {
 
+TEST(CoreWorkers, OfManyEachSendsHeartbeatsLessOften) {
+  CoreFixture fixture;
+  double last_s = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    fixture.Join("w" + std::to_string(i));
+    last_s = fixture.Sent(&wire::Envelope::has_welcome).at(0).message.welcome().heartbeat_s();
+    if (i == 100) {
+      EXPECT_EQ(last_s, CoreOptions().heartbeat_s);
+    }
+  }
+  EXPECT_EQ(last_s, 3 * CoreOptions().heartbeat_s);
+  EXPECT_GE(CoreOptions().lease_s, 3 * last_s) << "and is not taken for lost where two are late";
+}
+
 TEST(CoreWorkers, AnotherBuildIsRefusedWithTheReason) {
   CoreFixture fixture;
   fixture.Join("w", 1, "1");

@@ -13,6 +13,8 @@
 namespace cairn::coordinator {
 namespace {
 
+constexpr std::size_t kSpareBindings = 64;
+
 bool Has(const wire::Roles& roles, Right right) {
   switch (right) {
     case Right::kWork:
@@ -58,24 +60,28 @@ std::optional<wire::Refusal> AccessControl::Check(const std::string& peer, const
       return wire::Refusal{RefusalKind::kRight,
                            What(envelope) + " is not for a " + wire::RoleText(allowed->roles)};
   }
-  return right == Right::kWork ? CheckIdentity(peer, user, envelope, fleet) : std::nullopt;
+  return list_ && right == Right::kWork ? CheckIdentity(peer, user, envelope, fleet) : std::nullopt;
 }
 
 std::optional<wire::Refusal> AccessControl::CheckIdentity(const std::string& peer, const std::string& user,
                                                           const wire::Envelope& envelope,
                                                           const Fleet& fleet) {
   const auto bound = workers_.find(peer);
-  if (bound != workers_.end() && bound->second.user != user && fleet.Knows(peer))
+  if (bound != workers_.end() && bound->second != user && fleet.Knows(peer))
     return wire::Refusal{wire::RefusalKind::kIdentity,
                          "this connection's name is that of a worker with another key"};
   if (!envelope.has_hello()) return std::nullopt;
   const wire::Hello& hello = envelope.hello();
-  std::erase_if(workers_, [&](const auto& entry) { return !fleet.Knows(entry.first); });
-  for (const auto& [other, worker] : workers_)
-    if (hello.process() != 0 && worker.process == hello.process() && worker.user != user)
+  if (const Worker* same = fleet.FindProcess(hello); same != nullptr) {
+    const auto other = workers_.find(same->peer);
+    if (other != workers_.end() && other->second != user)
       return wire::Refusal{wire::RefusalKind::kIdentity, "worker " + std::to_string(hello.pid()) + " on " +
                                                              hello.host() + " is connected with another key"};
-  workers_[peer] = {user, hello.process()};
+  }
+  // Not with each Hello: ten thousand come at once.
+  if (workers_.size() > kSpareBindings + 2 * fleet.size())
+    std::erase_if(workers_, [&](const auto& entry) { return !fleet.Knows(entry.first); });
+  workers_[peer] = user;
   return std::nullopt;
 }
 
@@ -126,7 +132,7 @@ std::string AccessControl::WhyTooOften(const std::string& user, const wire::Enve
 bool AccessControl::MayWork(const std::string& peer) const {
   const auto bound = workers_.find(peer);
   if (!list_ || bound == workers_.end()) return true;
-  const wire::Allowed* allowed = list_->Find(bound->second.user);
+  const wire::Allowed* allowed = list_->Find(bound->second);
   return allowed != nullptr && allowed->roles.worker;
 }
 

@@ -2,11 +2,11 @@
 // is who it claims to be. No sockets, no clock.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
+#include <unordered_map>
 
 #include "coordinator/core/fleet.h"
 #include "coordinator/server/rights.h"
@@ -50,11 +50,6 @@ class AccessControl {
   bool MayWork(const std::string& peer) const;
 
  private:
-  struct Bound {
-    std::string user;
-    std::uint64_t process =
-        0;  // Hello.process: a host's name and a process id two workers may have in common
-  };
   std::optional<wire::Refusal> CheckIdentity(const std::string& peer, const std::string& user,
                                              const wire::Envelope& envelope, const Fleet& fleet);
 
@@ -64,8 +59,8 @@ class AccessControl {
     wire::Bucket bucket;
   };
   const wire::KeyLimits defaults_;
-  std::map<std::string, Bound> workers_;  // by peer
-  std::map<std::string, Rate> rates_;     // by user
+  std::unordered_map<std::string, std::string> workers_;  // the key that it is bound to, by peer
+  std::map<std::string, Rate> rates_;                     // by user
 };
 
 }  // namespace cairn::coordinator

@@ -69,8 +69,8 @@ void Server::Step(double timeout_s) {
   const double began_s = Now();
   // Looked at after the messages came: whoever was taken off the list before he sent one is refused it.
   if (access_control_.Refresh()) EndRevoked();
-  const std::set<std::string> gone =
-      transport_.TookAll() ? std::exchange(gone_, {}) : std::set<std::string>();
+  const bool behind = !transport_.TookAll();
+  const std::set<std::string> gone = behind ? std::set<std::string>() : std::exchange(gone_, {});
   for (Incoming& incoming : came) Receive(incoming);
   // After its last words, an answer or that it leaves, which were on their way when it was found gone.
   for (const std::string& peer : gone) Handle(WorkerLost{peer});
@@ -78,9 +78,9 @@ void Server::Step(double timeout_s) {
   TakeDiskDone();
   if (const double now_s = Now(); now_s - ticked_s_ >= kTick_s) {
     ticked_s_ = now_s;
-    Handle(Tick{});
+    Handle(Tick{behind});
     Carry(uploads_.Tick(now_s));
-    ProbeSilent(now_s);
+    if (!behind) ProbeSilent(now_s);  // else whoever seems silent may have said something
     ProbeStore(now_s);
     // A disk that is slow, or hangs, gets no more to do; what waits is bounded.
     if (writer_.Finished(log_ticket_)) WriteLog();
@@ -140,8 +140,7 @@ std::vector<Hash> Server::KeepBlobs(const std::vector<wire::NamedBlob>& blobs) {
 }
 
 void Server::Handle(const Event& event) {
-  for (const Action& action : core_.Handle(event, Now()))
-    std::visit([this](const auto& a) { Do(a); }, action);
+  for (Action& action : core_.Handle(event, Now())) std::visit([this](auto& a) { Do(a); }, action);
 }
 
 void Server::Receive(Incoming& incoming) {

@@ -95,7 +95,7 @@ class Server {
   void TakeForgotten(const std::string& job);
 
   // server_actions.cc
-  void Do(const coordinator::Send& send);
+  void Do(coordinator::Send& send);
   void Do(const Persist& persist);
   void Do(const DropBlobs& drop);
   void Do(const ForgetJob& forget);

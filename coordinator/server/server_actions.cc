@@ -9,19 +9,19 @@
 namespace cairn::coordinator {
 namespace {
 
-constexpr double kProbeAfter_s = 1.5;  // heartbeats without a sign of life
+constexpr double kProbeAfter = 1.5;  // heartbeats without a sign of life
 
 }  // namespace
 
-void Server::Do(const coordinator::Send& send) {
+void Server::Do(coordinator::Send& send) {
   if (send.message.has_refuse()) last_refusal_ = send.message.refuse().reason();
-  if (!transport_.Send(send.peer, wire::Message{send.message, {}})) gone_.insert(send.peer);
+  if (!transport_.Send(send.peer, wire::Message{std::move(send.message), {}})) gone_.insert(send.peer);
 }
 
 // A dead process takes its connection with it, which only shows when something is sent there.
 void Server::ProbeSilent(double now_s) {
   for (const auto& [number, worker] : core_.fleet().workers()) {
-    if (now_s - worker.heard_s < kProbeAfter_s * options_.core.heartbeat_s) continue;
+    if (now_s - worker.heard_s < kProbeAfter * worker.heartbeat_s) continue;
     wire::Message probe;
     probe.envelope.mutable_cancel();  // of no task: ignored
     if (!transport_.Send(worker.peer, std::move(probe))) gone_.insert(worker.peer);

@@ -1,5 +1,6 @@
 #include "coordinator/server/service.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
 
 #include <chrono>
@@ -26,6 +27,10 @@ constexpr std::chrono::seconds kMetricsEvery{1};
 std::filesystem::path AllowListIn(const std::string& keys_dir) {
   return std::filesystem::path(keys_dir) / "allowed";
 }
+
+// A round's many small pieces, each freed by itself: the C library keeps such for a while and then, whenever
+// something large comes or goes, looks at all of them. A quarter of the event loop's time went there.
+void FreeAtOnce() { ::mallopt(M_MXFAST, 0); }
 
 // As many connections as the system allows this user.
 void RaiseFileLimit() {
@@ -75,6 +80,7 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   Result<StoreFolder> folder = StoreFolder::OpenToServe(options.store_dir, options.take_over);
   if (!folder.ok()) return folder.status();
   RaiseFileLimit();
+  FreeAtOnce();
   const Result<AddressLock> address =
       AddressLock::Take(options.listen, "store " + folder.value().dir().string());
   if (!address.ok()) return address.status();

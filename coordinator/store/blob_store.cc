@@ -102,7 +102,7 @@ void BlobStore::MarkDurable(const std::vector<Hash>& hashes, std::uint64_t ticke
 
 std::set<Hash> BlobStore::Known() const {
   std::set<Hash> known;
-  for (const auto& [hash, entry] : entries_) known.insert(known.end(), hash);
+  for (const auto& [hash, entry] : entries_) known.insert(hash);
   return known;
 }
 

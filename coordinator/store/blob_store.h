@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "coordinator/core/blob_ledger.h"
 #include "coordinator/store/blob_files.h"
 #include "schema/blob.h"
 #include "schema/wire/codec.h"
@@ -57,7 +58,7 @@ class BlobStore {
   const std::uint64_t cap_bytes_;
   std::uint64_t bytes_ = 0;
   std::map<Hash, BlobPtr> given_;
-  std::map<Hash, Entry> entries_;
+  HashMap<Entry> entries_;
   std::list<Hash> ages_;  // least recently used first
 };
 

@@ -30,19 +30,21 @@ struct ConnectionLimits {
 };
 
 // Of so many connections to a socket with keys, how many may be of whom: nobody takes the places of others.
+// Of many the most are workers': people and newcomers do not grow in number as a fleet does.
 struct Places {
-  static constexpr std::size_t kFew = 4;
+  static constexpr std::size_t kFew = 4, kManyPeople = 512, kManyNewcomers = 4096;
   explicit Places(std::size_t all)
-      : workers(all / 2),
-        submitters(std::max(kFew, all / 8)),
+      : submitters(std::clamp(all / 8, kFew, kManyPeople)),
         viewers(submitters),
-        newcomers(std::max(kFew, all / 4)),
+        newcomers(std::clamp(all / 4, kFew, kManyNewcomers)),
+        workers(std::max(all / 2, all - std::min(all, submitters + viewers + newcomers))),
         of_a_workers_key(std::max(kFew, 3 * workers / 4)),
         of_another_key(std::max(kFew, submitters / 4)),
         of_an_address(std::max(kFew, newcomers / 4)) {}
 
-  std::size_t workers, submitters, viewers;
+  std::size_t submitters, viewers;
   std::size_t newcomers;  // that have said nothing yet
+  std::size_t workers;
   std::size_t of_a_workers_key, of_another_key;
   std::size_t of_an_address;  // newcomers
 };

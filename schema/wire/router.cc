@@ -64,6 +64,9 @@ Result<RouterSocket> RouterSocket::Bind(Context& context, const std::string& end
     // due to be sent on it. So no queue is: what comes is limited by connection, in bytes (unread_bytes).
     impl->socket.set(zmq::sockopt::rcvhwm, 0);
     impl->socket.set(zmq::sockopt::ipv6, true);
+    // A fleet comes back at once; whom the system turns away (it has a limit of its own) tries again later
+    // and later.
+    impl->socket.set(zmq::sockopt::backlog, static_cast<int>(options.connections.connections));
     if (security) {
       impl->socket.set(zmq::sockopt::curve_server, true);
       impl->socket.set(zmq::sockopt::curve_secretkey, security->keys.secret_key);

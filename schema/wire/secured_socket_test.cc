@@ -31,6 +31,17 @@ TEST(Socket, BindingTwiceIsBusyAndTcpWithoutKeysRefused) {
             Code::kBusy);
 }
 
+// Of twenty thousand connections, as many as a process may often open files, ten thousand workers have
+// theirs.
+TEST(Places, OfManyConnectionsTheMostAreWorkers) {
+  const Places few(20), usual(4096), many(20'000);
+  EXPECT_EQ(few.workers, 10u);
+  EXPECT_EQ(usual.workers, 2048u);
+  EXPECT_EQ(usual.workers + usual.submitters + usual.viewers + usual.newcomers, 4096u);
+  EXPECT_GT(many.of_a_workers_key, 10'000u);
+  EXPECT_EQ(many.workers + many.submitters + many.viewers + many.newcomers, 20'000u);
+}
+
 class SecuredSocket : public ::testing::Test {
  protected:
   void SetUp() override {

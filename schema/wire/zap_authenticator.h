@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <unordered_map>
 #include <vector>
 
 #include "schema/wire/allow_list.h"
@@ -94,7 +95,7 @@ class ZapAuthenticator {
   std::atomic<std::size_t> open_count_{0};
   std::mutex mutex_;
   std::uint64_t last_number_ = 0;                 // of a connection or a handshake
-  std::map<int, Connection> open_;                // by descriptor; guarded by mutex_, as all that follows
+  std::unordered_map<int, Connection> open_;      // by descriptor; guarded by mutex_, as all that follows
   std::map<std::string, Guest> guests_;           // by key
   std::map<Kind, std::size_t> kinds_;             // connections, in all …
   std::map<std::string, std::size_t> newcomers_;  // … and of newcomers by address

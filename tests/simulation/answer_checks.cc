@@ -36,7 +36,7 @@ bool IsWellFormed(const Core& core, const TaskDone& event) {
            std::all_of(event.blobs.begin(), event.blobs.end(),
                        [&event](const Hash& blob) { return blob == ClaimOf(event); });
   if (!event.done.has_step() || !CheckStep(event.done.step()).empty()) return false;
-  const std::set<Hash> blobs = BlobsOfStep(event.done.step());
+  const coordinator::HashSet blobs = BlobsOfStep(event.done.step());
   return std::all_of(blobs.begin(), blobs.end(), there);
 }
 
