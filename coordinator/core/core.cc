@@ -95,6 +95,7 @@ wire::JobInfo WithWorkers(wire::JobInfo info, std::uint32_t workers) {
 std::vector<wire::JobInfo> Core::Jobs() const {
   std::map<std::string, std::uint32_t> workers = CountWorkers(fleet_);
   std::vector<wire::JobInfo> infos;
+  infos.reserve(jobs_.size());
   for (const auto& [order, job] : jobs_) infos.push_back(WithWorkers(MakeInfo(job, now_s_), workers[job.id]));
   return infos;
 }

@@ -161,7 +161,7 @@ struct Answer {
   bool known = false;   // of a submission: the job was there before
   bool unable = false;  // of a refusal: for what the service lacks, not for what was asked
 };
-// A job's state changed, or it came a round further.
+// A job came, is about to go or is gone, its state changed, or it came a round further.
 struct JobChanged {
   std::string job;
 };

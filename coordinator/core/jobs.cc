@@ -178,6 +178,7 @@ void Core::ReleaseAll(Job& job) {
 void Core::Delete(Job& job) {
   if (job.leaving) return;
   job.leaving = true;
+  actions_.push_back(JobChanged{job.id});
   actions_.push_back(ForgetJob{job.id});
 }
 
@@ -193,6 +194,7 @@ void Core::On(const ForgetFailed& event) {
   Job* job = FindById(event.job);
   if (job == nullptr || !job->leaving) return;
   job->leaving = false;
+  actions_.push_back(JobChanged{job->id});
   job->saving.not_before_s = now_s_ + options_.save_again_s;  // of what is only too old
   Say(Report::kWarning, *job, "cannot be deleted: " + event.reason);
   for (const std::string& asker : std::exchange(job->deleters, {}))
@@ -201,6 +203,7 @@ void Core::On(const ForgetFailed& event) {
 
 void Core::Erase(Job& job) {
   ReleaseAll(job);
+  actions_.push_back(JobChanged{job.id});
   const std::uint64_t order = job.order;
   orders_.erase(job.id);
   jobs_.erase(order);

@@ -26,6 +26,7 @@ Server::Server(const StoreFolder& folder, Transport& transport, JobTable table, 
         log(severity, Printable(line, kLineBytes));
       }),
       core_(options_.core),
+      index_([this](const Hash& input) { return BytesOnDisk(input); }),
       files_(folder),
       blobs_(files_, options_.memory_bytes),
       use_(folder.dir(), options_.store_limit_bytes),
@@ -54,6 +55,9 @@ void Server::Restore() {
   const PublishedFiles published{options_.result_files, core_.served_s()};
   if (options_.given_inputs)
     for (const wire::NamedBlob& input : *options_.given_inputs) blobs_.Give(input);
+  // Of a job that could not be restored, too, no other gets the number.
+  for (const std::string& id : folder_.JobsWithCheckpoints())
+    last_job_number_ = std::max(last_job_number_, NumberOfJob(id));
   for (const RestoreJob& job : Recover(folder_, files_, inputs, published, note)) {
     for (const std::string& binary : job.checkpoint.blobs())
       if (const Hash blob = Hash::FromBinary(binary).value(); files_.Has(blob)) blobs_.AddDurable(blob);
@@ -109,14 +113,10 @@ bool Server::Shut(double patience_s) {
   return !core_.HasUnsaved();
 }
 
-bool Server::HasDrained() const {
-  const std::vector<wire::JobInfo> jobs = core_.Jobs();
-  return !core_.HasUnsaved() && std::ranges::none_of(jobs, [this](const wire::JobInfo& job) {
-    return core_.FindJob(job.id())->Running();
-  });
-}
+bool Server::HasDrained() const { return index_.running() == 0 && !core_.HasUnsaved(); }
 
 void Server::Submit(const std::string& id, const proto::Job& job, const std::vector<wire::NamedBlob>& blobs) {
+  last_job_number_ = std::max(last_job_number_, NumberOfJob(id));
   Handle(SubmitJob{id, job, KeepBlobs(blobs)});
 }
 

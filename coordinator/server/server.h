@@ -15,6 +15,7 @@
 #include "coordinator/core/core.h"
 #include "coordinator/core/uploads.h"
 #include "coordinator/server/access_control.h"
+#include "coordinator/server/job_index.h"
 #include "coordinator/server/metrics.h"
 #include "coordinator/server/refusals.h"
 #include "coordinator/server/transport.h"
@@ -138,7 +139,9 @@ class Server {
 
   // server_quotas.cc
   std::string WhyNoMoreJobs(const std::string& user) const;
-  std::string WhyNoMoreInputs(const std::string& user, std::set<Hash> more, std::uint64_t more_bytes) const;
+  std::string WhyNoMoreInputs(const std::string& user, const std::set<Hash>& more,
+                              std::uint64_t more_bytes) const;
+  std::uint64_t BytesOnDisk(const Hash& input) const;
   std::string LimitMemory(const std::string& user, proto::Job& job) const;
 
   // server_requests.cc
@@ -165,6 +168,7 @@ class Server {
   const ServerOptions options_;
   const LogSink log_;
   Core core_;
+  JobIndex index_;  // of the core's jobs
   BlobFiles files_;
   BlobStore blobs_;
   StoreUse use_;
@@ -184,7 +188,7 @@ class Server {
   std::set<std::string> questions_;              // peers whose question is with the writer
   std::set<std::string> told_ended_;             // jobs of which job_ended was told
   std::set<std::string> warned_;                 // peers that were told once that they have no business here
-  std::uint64_t last_job_number_;                // that was ever given
+  std::uint64_t last_job_number_;                // that was ever given, or lies in the store
   WaitingLines waiting_lines_;                   // of jobs' logs
   std::uint64_t log_ticket_ = 0;                 // of the lines that were written last
   DiskWriter writer_;                            // last: it is joined first

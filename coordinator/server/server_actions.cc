@@ -65,10 +65,11 @@ void Server::Do(const ForgetJob& forget) {
       forget.job, options_.results_folder ? options_.results_folder(forget.job) : std::filesystem::path()});
 }
 
-// Users ask how it stands. What is tried again may end once more.
+// What is tried again may end once more.
 void Server::Do(const JobChanged& changed) {
-  if (const Job* job = core_.FindJob(changed.job); job != nullptr && !job->Ended())
-    told_ended_.erase(changed.job);
+  const Job* job = core_.FindJob(changed.job);
+  index_.File(changed.job, job);
+  if (job != nullptr && !job->Ended()) told_ended_.erase(changed.job);
 }
 
 void Server::Do(const Answer& answer) {

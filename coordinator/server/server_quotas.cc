@@ -12,8 +12,10 @@ std::string OfLimit(const char* name, std::uint64_t value) {
   return ", the most that may be (" + std::string(name) + "=" + std::to_string(value) + ")";
 }
 
-std::uint64_t BytesOnDisk(const StoreFolder& folder, const Hash& hash) {
-  for (const std::filesystem::path& path : {folder.FlatFile(hash), folder.BlobFile(hash)}) {
+}  // namespace
+
+std::uint64_t Server::BytesOnDisk(const Hash& input) const {
+  for (const std::filesystem::path& path : {folder_.FlatFile(input), folder_.BlobFile(input)}) {
     std::error_code missing;
     const std::uintmax_t bytes = std::filesystem::file_size(path, missing);
     if (!missing) return bytes;
@@ -21,15 +23,10 @@ std::uint64_t BytesOnDisk(const StoreFolder& folder, const Hash& hash) {
   return 0;
 }
 
-}  // namespace
-
 std::string Server::WhyNoMoreJobs(const std::string& user) const {
   const std::uint64_t most = access_control_.LimitsOf(user).jobs;
   if (most == 0) return "";
-  const std::string owner = access_control_.OwnerOf(user);
-  std::uint64_t count = 0;
-  for (const wire::JobInfo& info : core_.Jobs())
-    if (info.owner() == owner && !core_.FindJob(info.id())->Ended()) ++count;
+  const std::size_t count = index_.Of(access_control_.OwnerOf(user)).not_ended;
   if (count < most) return "";
   return access_control_.NameOf(user) + " has " + std::to_string(count) + " jobs that have not ended" +
          OfLimit("jobs", most);
@@ -37,19 +34,15 @@ std::string Server::WhyNoMoreJobs(const std::string& user) const {
 
 // Of jobs that are done or were cancelled the store needs no inputs any more. Of what is no job's yet each
 // key has its own.
-std::string Server::WhyNoMoreInputs(const std::string& user, std::set<Hash> more,
+std::string Server::WhyNoMoreInputs(const std::string& user, const std::set<Hash>& more,
                                     std::uint64_t more_bytes) const {
   constexpr std::uint64_t kMb = 1'000'000;
   const std::uint64_t most_mb = access_control_.LimitsOf(user).inputs_mb;
   if (most_mb == 0) return "";
-  const std::string owner = access_control_.OwnerOf(user);
-  std::uint64_t bytes = more_bytes + (more.empty() ? uploads_.BytesOf(user) : 0);
-  for (const wire::JobInfo& info : core_.Jobs()) {
-    const Job* job = core_.FindJob(info.id());
-    if (job->owner != owner || job->Final()) continue;
-    for (const auto& [name, binary] : job->spec.input_blobs()) more.insert(Hash::FromBinary(binary).value());
-  }
-  for (const Hash& hash : more) bytes += BytesOnDisk(folder_, hash);
+  const OwnedJobs& owned = index_.Of(access_control_.OwnerOf(user));
+  std::uint64_t bytes = owned.input_bytes + more_bytes + (more.empty() ? uploads_.BytesOf(user) : 0);
+  for (const Hash& input : more)
+    if (!owned.inputs.contains(input)) bytes += BytesOnDisk(input);
   if (bytes <= most_mb * kMb) return "";
   return "the inputs of " + access_control_.NameOf(user) + " would take " + BytesText(bytes) +
          " with this one, of " + BytesText(most_mb * kMb) + OfLimit("inputs-mb", most_mb) +

@@ -109,15 +109,8 @@ void Server::Serve(const std::string& peer, const std::string& user, const wire:
   if (wrong.empty()) wrong = CheckJob(job);
   if (wrong.empty()) wrong = LimitMemory(user, job);
   if (!wrong.empty()) return RefuseJob(peer, wire::RefusalKind::kJob, wrong);
-  const Hash hash = HashOfJob(job);
-  for (const wire::JobInfo& info : core_.Jobs()) {
-    const Job* known = core_.FindJob(info.id());
-    // One that is done would give the same bits again; of one that has failed or was cancelled another is
-    // wanted.
-    const bool serves = !known->leaving && (!known->Ended() || known->state == proto::JOB_DONE);
-    if (!serves || known->hash != hash) continue;
-    return Handle(SubmitJob{info.id(), job, uploads_.Take(peer), peer});  // told twice
-  }
+  if (const std::string* known = index_.Serving(HashOfJob(job)); known != nullptr)
+    return Handle(SubmitJob{*known, job, uploads_.Take(peer), peer});  // told twice
   if (options_.drains)
     return RefuseAsUnable(
         peer, wire::RefusalKind::kJob,
@@ -126,7 +119,7 @@ void Server::Serve(const std::string& peer, const std::string& user, const wire:
     return RefuseAsUnable(peer, wire::RefusalKind::kStore, full);
   std::set<Hash> inputs;
   for (const auto& [name, binary] : job.input_blobs()) inputs.insert(Hash::FromBinary(binary).value());
-  for (const std::string& over : {WhyNoMoreJobs(user), WhyNoMoreInputs(user, std::move(inputs), 0)})
+  for (const std::string& over : {WhyNoMoreJobs(user), WhyNoMoreInputs(user, inputs, 0)})
     if (!over.empty()) return RefuseAsUnable(peer, wire::RefusalKind::kQuota, over);
   wire::Message missing;
   for (const auto& [name, binary] : job.input_blobs()) {
@@ -153,10 +146,7 @@ void Server::RefuseAsUnable(const std::string& peer, wire::RefusalKind kind, con
 
 // Never used before in this store: numbers go on behind all that have left a checkpoint or were deleted.
 std::string Server::NewJobId(const proto::Job& job) {
-  std::uint64_t& last = last_job_number_;
-  for (const wire::JobInfo& info : core_.Jobs()) last = std::max(last, NumberOfJob(info.id()));
-  for (const std::string& id : folder_.JobsWithCheckpoints()) last = std::max(last, NumberOfJob(id));
-  return std::to_string(++last) + "-" + FileNamePart(job.name());
+  return std::to_string(++last_job_number_) + "-" + FileNamePart(job.name());
 }
 
 std::string Server::WhatIsWrong(const wire::JobQuery& query) const {
@@ -192,7 +182,7 @@ void Server::Serve(const std::string& peer, const std::string& user, const wire:
   wire::Message reply;
   reply.envelope.mutable_reply()->set_ok(true);
   if (query.job().empty())
-    for (const wire::JobInfo& info : core_.Jobs()) *reply.envelope.mutable_reply()->add_jobs() = info;
+    for (wire::JobInfo& info : core_.Jobs()) *reply.envelope.mutable_reply()->add_jobs() = std::move(info);
   else
     *reply.envelope.mutable_reply()->add_jobs() = *core_.Find(query.job());
   for (wire::JobInfo& info : *reply.envelope.mutable_reply()->mutable_jobs())

@@ -1,5 +1,7 @@
-// Submits many jobs at once, which nobody plans or reads before: for page_rates.py.
+// Submits many jobs, one after the other, which nobody plans or reads before: for page_rates.py, and to see
+// what each takes the more there are: docs/scale.md.
 //   many_jobs ENDPOINT COUNT
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -35,11 +37,19 @@ int Main(const std::vector<std::string>& args) {
   blob.PutScalar("v", 1.0);
   const std::map<std::string, BlobPtr> inputs = {{"log", std::make_shared<const Blob>(std::move(blob))}};
   const int count = std::atoi(args[1].c_str());
+  constexpr int kEvery = 1000;
+  auto since = std::chrono::steady_clock::now();
   for (int i = 1; i <= count; ++i) {
     const Result<wire::JobInfo> job = client.value().Submit(JobOf(i), inputs);
     if (!job.ok()) throw InputError(job.status().message());
+    if (i % kEvery != 0 && i != count) continue;
+    const auto now = std::chrono::steady_clock::now();
+    const int latest = i % kEvery == 0 ? kEvery : i % kEvery;
+    std::printf("%d jobs, the latest %d at %.2f ms each\n", i, latest,
+                std::chrono::duration<double, std::milli>(now - since).count() / latest);
+    std::fflush(stdout);
+    since = now;
   }
-  std::printf("%d jobs\n", count);
   return 0;
 }
 

@@ -1,17 +1,15 @@
 """What the pages cost: first paint with many jobs, from a round's end to its pixel, processor time of many viewers.
 
     deploy/build.sh release cairn cairn-page cairn-worker many_jobs
-    PATH=$PWD/build/release/bin:$PWD/build/release/tests/bench:$PATH python3 tests/bench/page_rates.py [JOBS] [VIEWERS] [STORE]
+    PATH=$PWD/build/release/bin:$PWD/build/release/tests/bench:$PATH python3 tests/bench/page_rates.py [JOBS] [VIEWERS]
 
-In a folder of its own; needs chromium and chromedriver. JOBS: 10000, VIEWERS: 50. STORE: a store with
-jobs, of which a copy is used, for each submission takes longer the more there are: JOBS is 0 then.
+In a folder of its own; needs chromium and chromedriver. JOBS: 10000, VIEWERS: 50.
 """
 import datetime
 import http.client
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -90,15 +88,11 @@ def round_to_pixel(browser, origin, job, log, seconds=40):
 def main():
     jobs = int(sys.argv[1]) if len(sys.argv) > 1 else 10000
     viewers = int(sys.argv[2]) if len(sys.argv) > 2 else 50
-    store = os.path.abspath(sys.argv[3]) if len(sys.argv) > 3 else None
     folder = tempfile.TemporaryDirectory(prefix='cairn-page-rates-', ignore_cleanup_errors=True)
     os.chdir(folder.name)
     os.environ.update(HOME=folder.name, CAIRN_HOME=folder.name + '/home')
     os.environ.pop('CAIRN_COORDINATOR', None)
     cairn('simulate', 'loop', '--difficulty', 'base', '--robots', '4', '--seed', '1', 'log.h5')
-    if store:
-        os.mkdir('home', 0o700)
-        shutil.copytree(store, 'home/store')
     with Service() as service:
         coordinator = service.coordinator('--checkpoint-interval', '60', before=('--log-format', 'json'))
         begin = time.monotonic()
@@ -112,7 +106,7 @@ def main():
         browser.open(link)
         browser.until(lambda: browser.has('#jobs'), 'jobs')
         origin = browser.run('return location.origin')
-        if jobs or store:
+        if jobs:
             paints = first_paint(browser, origin)
             print('first contentful paint: median %.0f ms, of %s' % (paints[len(paints) // 2], [round(p) for p in paints]))
         port = int(origin.rsplit(':', 1)[1])
@@ -122,7 +116,7 @@ def main():
         for count in (1, viewers):
             viewers_cost(coordinator.pid, page.pid, port, cookie, '/events?for=/', count)
         # A job of minutes that runs.
-        if jobs or store:
+        if jobs:
             cairn('cancel', '--name', 'tour-*', '--state', 'queued')
         service.worker()
         job = submit('landmark_map', 'log.h5', '--seed', '5', '--set', 'cell_m=0.35')

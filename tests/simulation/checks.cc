@@ -101,14 +101,18 @@ void Checks::After(const Core& core, const Event& event, const std::vector<Actio
   for (auto& [id, known] : jobs_) {
     const proto::JobState before = known.state;
     const Job* job = core.FindJob(id);
-    if (job == nullptr) {
-      known.process = 0;  // refused, or deleted: where it comes again, it begins anew
-      continue;
-    }
     const bool told = std::any_of(actions.begin(), actions.end(), [&job_id = id](const Action& action) {
       const auto* changed = std::get_if<JobChanged>(&action);
       return changed != nullptr && changed->job == job_id;
     });
+    const bool leaves = job != nullptr && job->leaving;
+    const bool went = known.process == process && (job == nullptr || leaves != known.leaving);
+    if (went && !told) Fail(id + " goes or stays, and nobody was told");
+    known.leaving = leaves;
+    if (job == nullptr) {
+      known.process = 0;  // refused, or deleted: where it comes again, it begins anew
+      continue;
+    }
     See(*job, event, process);
     if (job->state != before && !told) Fail(id + " changed its state, and nobody was told");
   }

@@ -69,6 +69,7 @@ class Checks {
   using Place = std::pair<std::uint32_t, std::uint64_t>;  // stage; round + 1, or 0 before START is answered
   struct Known {
     ToyKind kind = ToyKind::kGood;
+    bool leaving = false;
     std::uint32_t stages = 0;
     ToyTruth truth;
     // The last that is durable.

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <optional>
 
-#include "pipelines/local_map/testing/allocations.h"
 #include "pipelines/local_map/testing/room.h"
+#include "schema/allocations_testing.h"
 #include "schema/error.h"
 
 namespace cairn::local_map {

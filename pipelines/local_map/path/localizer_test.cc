@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "pipelines/local_map/testing/allocations.h"
 #include "pipelines/local_map/testing/corridor.h"
 #include "pipelines/local_map/testing/drive.h"
 #include "pipelines/local_map/traces/recorder.h"
+#include "schema/allocations_testing.h"
 
 namespace cairn::local_map {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "pipelines/local_map/testing/allocations.h"
 #include "pipelines/local_map/testing/drive.h"
+#include "schema/allocations_testing.h"
 
 namespace cairn::local_map {
 namespace {

@@ -1,10 +1,10 @@
-#include "pipelines/local_map/testing/allocations.h"
+#include "schema/allocations_testing.h"
 
 #include <cstdlib>
 #include <new>
 
 namespace {
-long allocations = 0;  // of tests, which have one thread
+thread_local long allocations = 0;
 }
 
 void* operator new(std::size_t bytes) {
@@ -15,8 +15,8 @@ void* operator new(std::size_t bytes) {
 void operator delete(void* block) noexcept { std::free(block); }
 void operator delete(void* block, std::size_t) noexcept { std::free(block); }
 
-namespace cairn::local_map {
+namespace cairn {
 
 long Allocations() { return allocations; }
 
-}  // namespace cairn::local_map
+}  // namespace cairn
