@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Empty tasks and round trips, ours beside dask.distributed in turns, the best of three each; then 1,000 workers.
+# Empty tasks and round trips, ours beside dask.distributed in turns, the best of three each. Many workers: tests/swarm.
 #
 #   cmake --build --preset release --target dispatch_bench && tests/bench/dispatch.sh
 #
@@ -14,12 +14,11 @@ for _ in 1 2 3; do
   "$bench" --tasks 5000 --chain --workers 2 2>/dev/null >>"$out/chain"
   /usr/bin/python3 tests/bench/dispatch_dask.py 2>/dev/null >>"$out/dask"
 done
-"$bench" --tasks 200000 --swarm 1000 2>/dev/null >"$out/swarm"
 /usr/bin/python3 - "$out" <<'EOF'
 import json, sys
 def rows(name):
     return [json.loads(line) for line in open(f"{sys.argv[1]}/{name}")]
-empty, chain, dask, swarm = rows("empty"), rows("chain"), rows("dask"), rows("swarm")[0]
+empty, chain, dask = rows("empty"), rows("chain"), rows("dask")
 rate = max(row["tasks_per_s"] for row in empty)
 whole = max(row["tasks"] / row["job_s"] for row in empty)
 dask_rate = max(row["tasks_per_s"] for row in dask)
@@ -29,5 +28,4 @@ dask_trip = min(row["median_round_trip_ms"] for row in dask)
 print(f"empty tasks, 2 workers      {rate:9.0f} /s, dask {dask_rate:6.0f} /s: {rate / dask_rate:6.0f} times, {1e3 / rate:.3f} ms each")
 print(f"  submitted to reduced      {whole:9.0f} /s, dask {dask_whole:6.0f} /s: {whole / dask_whole:6.0f} times")
 print(f"round trip, one in flight   {trip:9.3f} ms, dask {dask_trip:6.2f} ms: {dask_trip / trip:6.0f} times")
-print(f"{swarm['workers']} workers                {swarm['tasks_per_s']:9.0f} /s, coordinator {swarm['coordinator_peak_mib']:.0f} MiB at most")
 EOF

@@ -6,7 +6,8 @@
 //   tests/bench/dispatch.sh                      # all of it
 //   dispatch_bench --tasks 50000 --workers 2     # one row
 //   dispatch_bench --tasks 2000 --chain          # each task waits for the one before: a round trip a task
-//   dispatch_bench --tasks 200000 --swarm 1000   # that many workers' sockets in one process
+//
+// Many workers: tests/swarm.
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -26,7 +27,8 @@
 
 #include "coordinator/client.h"
 #include "coordinator/server/service.h"
-#include "schema/wire/poller.h"
+#include "schema/build_info.h"
+#include "schema/numerics.h"
 #include "schema/wire/testing/private_folder.h"
 #include "worker/worker.h"
 #include "worker/zmq_transport.h"
@@ -115,7 +117,6 @@ class Empty : public Pipeline {
 struct Arguments {
   int tasks = 50'000;
   int workers = 2;
-  int swarm = 0;
   int slots = 64;
   bool chain = false;
 };
@@ -123,6 +124,7 @@ struct Arguments {
 wire::Hello HelloOf(int slots) {
   wire::Hello hello;
   hello.set_protocol(wire::kProtocol);
+  *hello.mutable_build() = ThisBuild();
   hello.set_host("here");
   hello.set_pid(::getpid());
   hello.set_slots(static_cast<std::uint32_t>(slots));
@@ -140,80 +142,6 @@ int Work(const std::string& endpoint, int slots, const SharedTimes& times) {
   };
   return worker::RunWorker(*transport, make, options, stop);
 }
-
-// Many workers' connections and one thread, which answers at once.
-class Swarm {
- public:
-  Swarm(const std::string& endpoint, int count, const SharedTimes& times) : times_(times) {
-    for (int i = 0; i < count; ++i) {
-      if (i % kSocketsOfAContext == 0) contexts_.emplace_back();
-      sockets_.push_back(wire::DealerSocket::Connect(contexts_.back(), endpoint).value());
-      poller_.Add(sockets_.back());
-    }
-  }
-  [[noreturn]] void Serve() {
-    while (true) {
-      for (wire::DealerSocket& socket : sockets_) Serve(socket);
-      poller_.Wait(std::chrono::milliseconds(100));
-      if (NowNs() - heartbeat_sent_ns_ > 500'000'000) Heartbeat();
-    }
-  }
-
- private:
-  void Serve(wire::DealerSocket& socket) {
-    while (const std::optional<wire::LinkEvent> event = socket.TryEvent())
-      if (*event == wire::LinkEvent::kConnected) Send(socket, Hello());
-    while (const std::optional<wire::Received> received = socket.TryReceive()) {
-      if (received->message.envelope.has_leave()) std::_Exit(0);
-      if (received->message.envelope.has_assign()) Send(socket, Answer(received->message.envelope.assign()));
-    }
-  }
-  static wire::Message Hello() {
-    wire::Message hello;
-    *hello.envelope.mutable_hello() = HelloOf(4);
-    return hello;
-  }
-  wire::Message Answer(const wire::Assign& assign) const {
-    if (assign.key().kind() != wire::TaskKey::RUN) return AnswerPlan(assign);
-    wire::Message answer;
-    times_.Note(assign.key().task());
-    answer.blobs = {wire::NameBlob(std::make_shared<const Blob>(PartialOf(assign.key().task())))};
-    wire::Done& done = *answer.envelope.mutable_done();
-    *done.mutable_key() = assign.key();
-    done.set_partial(answer.blobs[0].hash.Binary());
-    return answer;
-  }
-  // The reduction is not done here, for want of the partials: their number is right if all came.
-  wire::Message AnswerPlan(const wire::Assign& assign) const {
-    Step step;
-    if (assign.key().kind() == wire::TaskKey::START)
-      step = Empty(assign.stage(), times_).PlanRound();
-    else
-      step = Empty::ResultOf(assign.partials_size());
-    wire::Message answer;
-    for (const BlobPtr& blob : step.blobs) answer.blobs.push_back(wire::NameBlob(blob));
-    wire::Done& done = *answer.envelope.mutable_done();
-    *done.mutable_key() = assign.key();
-    *done.mutable_step() = step.plan;
-    return answer;
-  }
-  void Heartbeat() {
-    heartbeat_sent_ns_ = NowNs();
-    wire::Message heartbeat;
-    heartbeat.envelope.mutable_heartbeat();
-    for (wire::DealerSocket& socket : sockets_) (void)socket.Send(heartbeat);
-  }
-  static void Send(wire::DealerSocket& socket, const wire::Message& message) {
-    while (socket.Send(message).code() == Code::kBusy) std::this_thread::yield();
-  }
-
-  static constexpr int kSocketsOfAContext = 250;  // ZeroMQ: 1,023, and each of ours has a monitor
-  const SharedTimes& times_;
-  std::list<wire::Context> contexts_;
-  std::list<wire::DealerSocket> sockets_;
-  wire::Poller poller_;
-  std::int64_t heartbeat_sent_ns_ = 0;
-};
 
 // Runs `work` in a process of its own, which ends with the object.
 class Child {
@@ -289,13 +217,10 @@ void Main(const Arguments& a) {
   const std::string endpoint = folder.Ipc("hub");
   const Child coordinator([&] { return Coordinate((folder.path() / "store").string(), endpoint); });
   std::list<Child> workers;
-  for (int i = 0; i < (a.swarm > 0 ? 1 : a.workers); ++i)
-    workers.emplace_back([&] { return Work(endpoint, a.swarm > 0 ? 1000 : a.slots, shared); });
+  for (int i = 0; i < a.workers; ++i) workers.emplace_back([&] { return Work(endpoint, a.slots, shared); });
   coordinator::Client client =
       coordinator::Client::Connect({.endpoint = endpoint, .security = {}, .timeout_s = 60}).value();
-  AwaitWorkers(client, static_cast<unsigned>(workers.size()));
-  if (a.swarm > 0) workers.emplace_back([&]() -> int { Swarm(endpoint, a.swarm, shared).Serve(); });
-  AwaitWorkers(client, a.swarm > 0 ? static_cast<unsigned>(a.swarm) + 1 : static_cast<unsigned>(a.workers));
+  AwaitWorkers(client, static_cast<unsigned>(a.workers));
   const std::int64_t begin_ns = NowNs();
   RunJob(client, a);
   const double job_s = static_cast<double>(NowNs() - begin_ns) * 1e-9;
@@ -305,7 +230,7 @@ void Main(const Arguments& a) {
   std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
   const double span_s = static_cast<double>(times.back() - times.front()) * 1e-9;
   std::puts(nlohmann::json{{"tasks", a.tasks},
-                           {"workers", a.swarm > 0 ? a.swarm + 1 : a.workers},
+                           {"workers", a.workers},
                            {"tasks_per_s", (a.tasks - 1) / span_s},
                            {"median_gap_ms", static_cast<double>(gaps[gaps.size() / 2]) * 1e-6},
                            {"job_s", job_s},
@@ -323,8 +248,9 @@ int main(int argc, char** argv) {
   app.add_option("--tasks", a.tasks)->check(CLI::Range(2, 10'000'000));
   app.add_option("--workers", a.workers)->check(CLI::Range(1, 64));
   app.add_option("--slots", a.slots, "tasks in flight to a worker")->check(CLI::Range(1, 1000));
-  app.add_option("--swarm", a.swarm, "this many workers' sockets in one process");
   app.add_flag("--chain", a.chain, "each task waits for the one before");
   CLI11_PARSE(app, argc, argv);
+  cairn::FixNumericsOfProcess();
+  cairn::FixNumericsOfThread();
   cairn::bench::Main(a);
 }

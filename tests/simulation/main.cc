@@ -10,6 +10,7 @@
 #include <string>
 
 #include "tests/simulation/scale_world.h"
+#include "tests/simulation/size_world.h"
 #include "tests/simulation/world.h"
 
 namespace {
@@ -58,6 +59,42 @@ std::uint64_t RunScaleWorlds(const std::string& program, std::uint64_t first, st
   return failed;
 }
 
+void RunSizeWorld(const cairn::simulation::SizeOptions& options) {
+  const cairn::simulation::SizeOutcome o = cairn::simulation::SizeWorld(options).Run();
+  std::printf(
+      "%u workers, tasks of %g s: %.0f tasks/s, workers busy %.2f; event loop %.2f of a core (the core of "
+      "the "
+      "coordinator %.2f), sockets %.2f; longest from tick to tick %.2f s, longest silence %.2f s, %llu taken "
+      "for "
+      "lost\n",
+      options.workers, options.task_s, o.tasks_per_s, o.busy, o.loop, o.core, o.sockets, o.longest_tick_s,
+      o.longest_silence_s, static_cast<unsigned long long>(o.lost));
+  std::printf("  killed: %u back at work", o.back);
+  if (o.back_s >= 0) std::printf(", all of them after %.1f s", o.back_s);
+  std::printf("; %llu times one was told to try later\n", static_cast<unsigned long long>(o.turned_away));
+}
+
+// The figures of RunSizeWorld, and what docs/scale.md has measured of them.
+void AddSizeOptions(CLI::App& app, cairn::simulation::SizeOptions& size) {
+  app.add_option(
+         "--workers", size.workers,
+         "instead, a fleet of this size at one coordinator: what its threads take, and how soon all are "
+         "back when it is killed")
+      ->check(CLI::Range(1u, 1'000'000u));
+  app.add_option("--task-s", size.task_s, "with --workers: what a task takes")->capture_default_str();
+  app.add_option("--jobs", size.jobs, "with --workers: side by side")
+      ->check(CLI::Range(1u, 1000u))
+      ->capture_default_str();
+  app.add_option("--seconds", size.seconds, "with --workers: before it is killed, and after")
+      ->capture_default_str();
+  app.add_option("--message-us", size.message_us, "with --workers: of the event loop, for a message")
+      ->capture_default_str();
+  app.add_option("--socket-us", size.socket_us, "with --workers: of ZeroMQ's thread, for a message")
+      ->capture_default_str();
+  app.add_option("--join-us", size.join_us, "with --workers: of ZeroMQ's thread, for a connection")
+      ->capture_default_str();
+}
+
 void PrintStats(const Coverage& sum) {
   for (std::size_t mark = 0; mark < cairn::simulation::kMarks; ++mark)
     std::printf("%12llu  %s\n", static_cast<unsigned long long>(sum[mark]),
@@ -76,6 +113,8 @@ int ExitCode(int code) {
 int main(int argc, char** argv) {
   std::uint64_t seeds = 1000, first = 1;
   double scale_days = 0;
+  cairn::simulation::SizeOptions size;
+  size.workers = 0;
   bool traced = false, stats = false, stop = false;
   CLI::App app{
       "Runs Cairn's coordinator in simulated worlds, one a seed: workers and the coordinator crash, hang "
@@ -92,6 +131,7 @@ int main(int argc, char** argv) {
   app.add_flag("--stats", stats, "print how often each fault and each transition came up");
   app.add_option("--scale-days", scale_days,
                  "instead, so many days of each world in which workers are started and let go (cairn scale)");
+  AddSizeOptions(app, size);
   app.add_flag("--stop", stop, "end at the first seed that fails");
   try {
     app.parse(argc, argv);
@@ -110,6 +150,10 @@ int main(int argc, char** argv) {
   cairn::simulation::Trace trace;
   if (traced)
     trace = [](double now_s, const std::string& line) { std::printf("%10.4f  %s\n", now_s, line.c_str()); };
+  if (size.workers > 0) {
+    RunSizeWorld(size);
+    return ExitCode(0);
+  }
   if (scale_days > 0)
     return ExitCode(RunScaleWorlds(argv[0], first, seeds, scale_days, stop, trace) == 0 ? 0 : 1);
   std::uint64_t worlds = 0, failed = 0, events = 0;
