@@ -91,6 +91,16 @@ Result<Array> Array::FromBytes(DType type, std::size_t item_bytes, const Shape& 
   return array;
 }
 
+Result<Array> Array::FormAlone(DType type, std::size_t item_bytes, const Shape& shape) {
+  const Result<std::size_t> bytes = BytesOfArray(type, item_bytes, shape);
+  if (!bytes.ok()) return bytes.status();
+  Result<Array> array = Form(type, item_bytes, shape, bytes.value());
+  if (!array.ok()) return array;
+  array.value().byte_count_ = 0;
+  array.value().form_alone_ = true;
+  return array;
+}
+
 Result<Array> Array::Over(DType type, std::size_t item_bytes, const Shape& shape,
                           std::span<const std::byte> bytes, const std::shared_ptr<const void>& owner) {
   CAIRN_DEMAND(reinterpret_cast<std::uintptr_t>(bytes.data()) % kAlignment == 0, "not aligned");
@@ -125,6 +135,7 @@ void Array::RequireType(DType type) const {
 
 std::vector<std::string> Array::AsTexts() const {
   RequireType(DType::kText);
+  CAIRN_DEMAND(!form_alone_, "the elements of an array are read whose form alone is here");
   std::vector<std::string> texts;
   for (std::size_t at = 0; at < byte_count_; at += item_bytes_) {
     const char* text = reinterpret_cast<const char*>(data_.get()) + at;
@@ -134,6 +145,7 @@ std::vector<std::string> Array::AsTexts() const {
 }
 
 Array Array::Rows(std::int64_t first, std::int64_t count) const {
+  CAIRN_DEMAND(!form_alone_, "the elements of an array are read whose form alone is here");
   CAIRN_DEMAND(!shape_.empty() && first >= 0 && count >= 0 && first + count <= shape_[0],
                "rows out of range");
   Shape shape = shape_;
@@ -146,7 +158,7 @@ Array Array::Rows(std::int64_t first, std::int64_t count) const {
 
 bool operator==(const Array& a, const Array& b) {
   return a.type_ == b.type_ && a.item_bytes_ == b.item_bytes_ && a.shape_ == b.shape_ &&
-         std::ranges::equal(a.bytes(), b.bytes());
+         a.form_alone_ == b.form_alone_ && std::ranges::equal(a.bytes(), b.bytes());
 }
 
 }  // namespace cairn

@@ -71,7 +71,12 @@ class Array {
   static Result<Array> FromBytes(DType type, std::size_t item_bytes, const Shape& shape,
                                  std::span<const std::byte> bytes);
 
-  // The same without a copy: `bytes` begin at a multiple of 64, and do not change while `owner` lives.
+  // The type and the shape of an array whose elements are elsewhere (schema/blob_part.h): whoever reads them
+  // has a bug. kCorrupt where there can be no such array.
+  static Result<Array> FormAlone(DType type, std::size_t item_bytes, const Shape& shape);
+
+  // The same as FromBytes without a copy: `bytes` begin at a multiple of 64, and do not change while `owner`
+  // lives.
   static Result<Array> Over(DType type, std::size_t item_bytes, const Shape& shape,
                             std::span<const std::byte> bytes, const std::shared_ptr<const void>& owner);
 
@@ -79,6 +84,7 @@ class Array {
   std::size_t item_bytes() const { return item_bytes_; }
   const Shape& shape() const { return shape_; }
   std::int64_t size() const;  // number of elements
+  bool is_form_alone() const { return form_alone_; }
   std::span<const std::byte> bytes() const { return {data_.get(), byte_count_}; }
 
   // The elements, row-major.
@@ -86,6 +92,7 @@ class Array {
   template <class T>
   std::span<const T> As() const {
     RequireType(DTypeOf<T>());
+    CAIRN_DEMAND(!form_alone_, "the elements of an array are read whose form alone is here");
     return {reinterpret_cast<const T*>(data_.get()), byte_count_ / sizeof(T)};
   }
   // Throws InputError where the type is not kText.
@@ -106,6 +113,7 @@ class Array {
   std::size_t item_bytes_ = 1;
   Shape shape_{0};
   std::size_t byte_count_ = 0;
+  bool form_alone_ = false;
   std::shared_ptr<const std::byte> data_;
 };
 

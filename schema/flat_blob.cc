@@ -43,6 +43,7 @@ Status CheckMeta(const wire::BlobMeta& meta) {
   for (int i = 0; i < meta.arrays_size(); ++i) {
     const wire::ArrayMeta& array = meta.arrays(i);
     if (i > 0 && array.name() <= meta.arrays(i - 1).name()) return Corrupt("array names out of order");
+    if (array.form_alone()) return Corrupt("an array without its elements");
     if (const std::string wrong = WhatIsWrongWithName(array.name(), kMostDatasetBytes); !wrong.empty())
       return Corrupt("the name of an array " + wrong);
     if (const Result<std::size_t> bytes = BytesOf(array); !bytes.ok()) return bytes.status();
@@ -77,6 +78,7 @@ wire::BlobMeta MetaOf(const Hash& hash, const Blob& blob) {
     a.set_type(static_cast<std::uint32_t>(array.type()));
     a.set_item_bytes(array.item_bytes());
     a.mutable_shape()->Assign(array.shape().begin(), array.shape().end());
+    if (array.is_form_alone()) a.set_form_alone(true);
   }
   return meta;
 }

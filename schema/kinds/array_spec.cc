@@ -133,6 +133,7 @@ class Checker {
       throw InputError(fmt::format("'{}' is of type {}, where {} is needed", name, DTypeName(array.type()),
                                    DTypeName(spec.type)));
     CheckShape(spec, owner, name, array.shape());
+    if (array.is_form_alone()) return;
     switch (spec.type) {
       case DType::kU8:
         return CheckValues<std::uint8_t>(spec, owner, name, array);

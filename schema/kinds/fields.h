@@ -72,6 +72,7 @@ class Column {
   Column(const T& value) : Column(Of(value)) {}
   Column(const Shape& shape, const std::vector<T>& values) : Column(Array::Of<T>(shape, values)) {}
   Column(Array array) : array_(std::move(array)), is_there_(true) {
+    if (array_.is_form_alone()) return;
     if constexpr (kIsText)
       values_ = array_.AsTexts();
     else
@@ -91,7 +92,10 @@ class Column {
   const std::string& name() const { return name_; }
   const Array& array() const { return Needed().array_; }
   const Shape& shape() const { return array().shape(); }
-  const Elements& values() const { return Needed().values_; }
+  const Elements& values() const {
+    CAIRN_DEMAND(!array_.is_form_alone(), "the elements of an array are read whose form alone is here");
+    return Needed().values_;
+  }
   std::size_t size() const { return values().size(); }
   bool empty() const { return values().empty(); }
   const T& operator[](std::size_t i) const { return values()[i]; }

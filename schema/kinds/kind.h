@@ -40,7 +40,8 @@ std::string KindOf(const Blob& blob);
 void CheckKind(const Blob& blob, std::string_view kind);
 
 // Checks what a stage is given as its input `role`, as what it is and as what is read of it: a local_map may
-// stand for poses. A pipeline may rely on it. Throws InputError that names the input too.
+// stand for poses. A pipeline may rely on it. Of an array without its elements its form is checked. Throws
+// InputError that names the input too.
 void CheckInput(const Blob& blob, const std::string& role);
 
 // "a log", "samples"; "a log is needed", "samples are needed".
