@@ -1,5 +1,7 @@
 #include "pipelines/pipeline.h"
 
+#include "schema/blob_part.h"
+
 namespace cairn {
 
 std::string Step::Share(Blob blob) {
@@ -7,6 +9,12 @@ std::string Step::Share(Blob blob) {
   const std::string hash = shared->ContentHash().Binary();
   blobs.push_back(std::move(shared));
   return hash;
+}
+
+BlobPtr Inputs::GetHead(const std::string& name, const std::string& but) const {
+  const Result<BlobPtr> head = CutPart(*Get(name), HeadPart(but));
+  CAIRN_DEMAND(head.ok(), head.status().message());
+  return head.value();
 }
 
 void ExpectRounds(double rounds, double cost, double width, proto::Step* plan, double least, double most) {

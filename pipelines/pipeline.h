@@ -40,8 +40,13 @@ class Inputs {
  public:
   virtual ~Inputs() = default;
   virtual bool Has(const std::string& name) const = 0;
-  // Throws InputError that names the input where there is none.
+  // All three throw InputError that names the input where there is none.
   virtual BlobPtr Get(const std::string& name) const = 0;
+  // The same, but of fields whose names end in `but` no more than types and shapes (Array::FormAlone): of a
+  // large log START and ADVANCE read this, and tasks the rest in parts.
+  virtual BlobPtr GetHead(const std::string& name, const std::string& but) const;
+  // Its content hash, for tasks to name.
+  virtual Hash HashOf(const std::string& name) const { return Get(name)->ContentHash(); }
 };
 
 // The partials of a round, in task order.

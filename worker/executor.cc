@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "schema/blob_part.h"
 #include "schema/demands_throw.h"
 #include "schema/kinds/kind.h"
 #include "schema/numerics.h"
@@ -28,26 +29,56 @@ class TaskProgress : public Progress {
   AssignedTask& task_;
 };
 
-class TaskInputs : public Inputs {
+// Of START and ADVANCE: the state's blobs, and the stage's inputs, which come behind those of the same name
+// and are fetched when they are asked for.
+class PlanInputs : public Inputs {
  public:
-  // Of START and ADVANCE: the stage's inputs, and the state's blobs, which come before an input of the same
-  // name.
-  static TaskInputs OfPlan(const AssignedTask& task) {
-    TaskInputs inputs;
-    for (const auto& [name, hash] : task.assign.inputs()) inputs.blobs_[name] = Find(task, hash);
-    for (const auto& [name, hash] : task.assign.state().blobs()) inputs.blobs_[name] = Find(task, hash);
-    return inputs;
-  }
-  static TaskInputs OfRun(const AssignedTask& task) {
-    TaskInputs inputs;
-    for (const proto::InputRef& ref : task.assign.task().inputs()) {
-      inputs.blobs_[ref.name()] = Rows(Find(task, ref.blob()), ref);
+  PlanInputs(TaskQueue& queue, AssignedTask& task) : queue_(queue), task_(task) {
+    for (const auto& [name, hash] : task.assign.inputs()) {
+      hashes_[name] = Hash::FromBinary(hash).value();
+      if (!task.assign.state().blobs().contains(name)) unchecked_.insert(name);
     }
-    return inputs;
+    for (const auto& [name, hash] : task.assign.state().blobs())
+      hashes_[name] = Hash::FromBinary(hash).value();
   }
-  // People give what a stage begins with: a pipeline may rely on the form of what is there.
-  void Check() const {
-    for (const auto& [name, blob] : blobs_) CheckInput(*blob, name);
+  bool Has(const std::string& name) const override { return hashes_.contains(name); }
+  BlobPtr Get(const std::string& name) const override { return Await(name, {HashOf(name)}); }
+  BlobPtr GetHead(const std::string& name, const std::string& but) const override {
+    const Hash blob = HashOf(name);
+    const proto::BlobPart part = HeadPart(but);
+    return Await(name, {NameOfPart(blob, part), true, PartOf{blob, part}});
+  }
+  Hash HashOf(const std::string& name) const override {
+    const auto it = hashes_.find(name);
+    if (it == hashes_.end()) throw InputError("there is no input '" + name + "'");
+    return it->second;
+  }
+
+ private:
+  // Whatever it takes in memory came from elsewhere, and stays until the task ends.
+  BlobPtr Await(const std::string& name, Want want) const {
+    const TaskMemory::Pause pause;
+    BlobPtr blob = queue_.AwaitInput(task_, std::move(want));
+    if (unchecked_.erase(name) > 0) CheckInput(*blob, name);
+    return blob;
+  }
+
+  TaskQueue& queue_;
+  AssignedTask& task_;
+  std::map<std::string, Hash> hashes_;
+  // People give what a stage begins with, and a pipeline may rely on the form of what is there.
+  mutable std::set<std::string> unchecked_;
+};
+
+// Of RUN: they were here before it began.
+class RunInputs : public Inputs {
+ public:
+  explicit RunInputs(const AssignedTask& task) {
+    for (const proto::InputRef& ref : task.assign.task().inputs()) {
+      const Hash blob = Hash::FromBinary(ref.blob()).value();
+      blobs_[ref.name()] =
+          ref.has_part() ? task.blobs.at(NameOfPart(blob, ref.part())) : Rows(task.blobs.at(blob), ref);
+    }
   }
   bool Has(const std::string& name) const override { return blobs_.contains(name); }
   BlobPtr Get(const std::string& name) const override {
@@ -57,9 +88,6 @@ class TaskInputs : public Inputs {
   }
 
  private:
-  static BlobPtr Find(const AssignedTask& task, const std::string& binary) {
-    return task.blobs.at(Hash::FromBinary(binary).value());
-  }
   static BlobPtr Rows(const BlobPtr& blob, const proto::InputRef& ref) {
     if (ref.row_count() == 0) return blob;
     Blob rows;
@@ -96,16 +124,24 @@ class FetchedPartials : public Partials {
   AssignedTask& task_;
 };
 
+// The coordinator would take it for damage.
+void RequireElements(const Blob& made) {
+  for (const auto& [name, array] : made.fields())
+    CAIRN_DEMAND(!array.is_form_alone(), "an answer has '" + name + "' without its elements");
+}
+
 wire::Message DoneWithStep(const wire::TaskKey& key, Step step) {
   wire::Message message;
   wire::Done& done = *message.envelope.mutable_done();
   *done.mutable_key() = key;
   *done.mutable_step() = std::move(step.plan);
+  for (const BlobPtr& blob : step.blobs) RequireElements(*blob);
   for (BlobPtr& blob : step.blobs) message.blobs.push_back(wire::NameBlob(std::move(blob)));
   return message;
 }
 
 wire::Message DoneWithPartial(const wire::TaskKey& key, Blob partial) {
+  RequireElements(partial);
   wire::Message message;
   message.blobs.push_back(wire::NameBlob(std::make_shared<const Blob>(std::move(partial))));
   wire::Done& done = *message.envelope.mutable_done();
@@ -151,18 +187,15 @@ wire::Message Executor::Compute(AssignedTask& task) {
   const wire::Assign& assign = task.assign;
   const Pipeline& pipeline = PipelineOf(assign);
   switch (assign.key().kind()) {
-    case wire::TaskKey::START: {
-      const TaskInputs inputs = TaskInputs::OfPlan(task);
-      inputs.Check();
-      return DoneWithStep(assign.key(), pipeline.Start(inputs));
-    }
+    case wire::TaskKey::START:
+      return DoneWithStep(assign.key(), pipeline.Start(PlanInputs(queue_, task)));
     case wire::TaskKey::ADVANCE: {
       FetchedPartials partials(queue_, task);
-      return DoneWithStep(assign.key(), pipeline.Advance(assign.state(), partials, TaskInputs::OfPlan(task)));
+      return DoneWithStep(assign.key(), pipeline.Advance(assign.state(), partials, PlanInputs(queue_, task)));
     }
     default: {
       TaskProgress progress(task);
-      return DoneWithPartial(assign.key(), pipeline.Run(assign.task(), TaskInputs::OfRun(task), progress));
+      return DoneWithPartial(assign.key(), pipeline.Run(assign.task(), RunInputs(task), progress));
     }
   }
 }

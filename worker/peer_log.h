@@ -13,7 +13,7 @@ using LogSink = std::function<void(Severity, const std::string& line)>;
 
 class PeerLog {
  public:
-  enum Topic { kLink, kMalformed, kWelcome, kRefusal, kDrain, kEnd, kStray, kTask };
+  enum Topic { kLink, kMalformed, kWelcome, kRefusal, kDrain, kEnd, kShared, kStray, kTask };
   explicit PeerLog(LogSink sink) : sink_(std::move(sink)) {}
   // The first line of a topic at once; those that follow within kQuiet_s are counted, and told with the next.
   // A line is cut at 4,096 bytes.

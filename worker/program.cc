@@ -35,6 +35,7 @@ struct Arguments {
   std::string name;
   int slots = 4;
   std::size_t cache_mb = 512;
+  std::string shared_path;
   std::uint64_t task_memory_mb = 0;
   double drain_s = 0;
   std::string key_file;
@@ -76,6 +77,10 @@ void Declare(cli::Command app, Arguments& a) {
   app.Add("--name", a.name, "what to call it in the coordinator's lists");
   app.Add("--slots", a.slots, "tasks that may be assigned at a time").Within(1, 1000).ShowDefault();
   app.Add("--cache-mb", a.cache_mb, "memory for blobs that may be needed again").ShowDefault();
+  app.Add(
+      "--shared-path", a.shared_path,
+      "folder with inputs that need not be fetched: the coordinator's STORE/blobs, or a copy of it, as this "
+      "machine sees it; what is not there, or not what its hash says, is fetched");
   app.Add("--task-memory-mb", a.task_memory_mb,
           "memory that a task may take beside its inputs; a job's own limit counts where it is lower "
           "(0: no limit of this worker's)")
@@ -153,6 +158,7 @@ WorkerOptions MakeOptions(const Arguments& a) {
   hello.set_slots(static_cast<std::uint32_t>(a.slots));
   hello.set_process(DrawProcess());
   options.task_memory_mb = a.task_memory_mb;
+  options.shared_path = a.shared_path;
   options.drain = &g_drain;
   options.drain_s = a.drain_s;
   options.session.cache_bytes = a.cache_mb << 20;
@@ -241,7 +247,7 @@ int WorkerProgram(int argc, char** argv, const std::vector<PipelineInfo>& pipeli
           PrepareProcess({.files = 32,
                           .file_bytes = 0,
                           .memory_bytes = 512 << 20,
-                          .threads = 4 + static_cast<std::uint64_t>(std::max(0, arguments.slots))});
+                          .threads = 5 + static_cast<std::uint64_t>(std::max(0, arguments.slots))});
       !limits.ok()) {
     std::fprintf(stderr, "cairn-worker: %s\n", limits.message().c_str());
     return kExitRefused;

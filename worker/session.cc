@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "schema/blob_part.h"
 #include "schema/text.h"
 
 namespace cairn::worker {
@@ -22,10 +23,19 @@ constexpr double kShortestHeartbeat_s = 0.01, kLongestHeartbeat_s = 3600;
 // and wait to be sent, while others come in its place; more than this of its own is a mistake or an attack.
 constexpr std::size_t kTasksPerSlot = 2;
 
-wire::Message FetchOf(const Hash& hash) {
+wire::Message FetchOf(const Want& want) {
   wire::Message message;
-  message.envelope.mutable_fetch()->set_hash(hash.Binary());
+  wire::Fetch& fetch = *message.envelope.mutable_fetch();
+  fetch.set_hash((want.part ? want.part->blob : want.hash).Binary());
+  if (want.part) *fetch.mutable_part() = want.part->part;
   return message;
+}
+
+// By what is asked for: a blob's hash, or a part's name.
+Result<Hash> NameOf(const std::string& blob, const proto::BlobPart* part) {
+  Result<Hash> hash = Hash::FromBinary(blob);
+  if (!hash.ok() || part == nullptr) return hash;
+  return NameOfPart(hash.value(), *part);
 }
 
 // A heartbeat names the task and an answer repeats it.
@@ -37,10 +47,12 @@ bool HasShortTexts(const wire::Assign& assign) {
 
 }  // namespace
 
-Session::Session(SessionOptions options, Transport& transport, TaskQueue& queue, double now_s)
+Session::Session(SessionOptions options, Transport& transport, TaskQueue& queue, double now_s,
+                 SharedPath* shared)
     : options_(std::move(options)),
       transport_(transport),
       queue_(queue),
+      shared_(shared),
       log_(options_.log),
       cache_(options_.cache_bytes),
       started_s_(now_s) {
@@ -115,14 +127,10 @@ void Session::HandleMessage(const wire::Message& message, double now_s) {
       queue_.Cancel(envelope.cancel().key());
       return;
     case wire::Envelope::kBlob:
-      TakeBlob(message.blobs[0], now_s);
+      TakeBlob(envelope.blob(), message.blobs[0], now_s);
       return;
     case wire::Envelope::kMissing:
-      if (const Result<Hash> hash = Hash::FromBinary(envelope.missing().hash()); hash.ok()) {
-        blob_s_ = now_s;
-        requests_.erase(hash.value());
-        queue_.GiveUp(hash.value());
-      }
+      TakeMissing(envelope.missing(), now_s);
       return;
     case wire::Envelope::kLeave:
       if (options_.exit_on_leave) return End(kExitDone, Severity::kInfo, "the coordinator has ended");
@@ -165,11 +173,29 @@ void Session::HandleAssign(const wire::Assign& assign, double now_s) {
   queue_.Add(assign);
 }
 
-void Session::TakeBlob(const wire::NamedBlob& named, double now_s) {
+void Session::TakeBlob(const wire::BlobData& data, const wire::NamedBlob& named, double now_s) {
+  if (!data.has_part()) {
+    blob_s_ = now_s;
+    const auto request = requests_.extract(named.hash);
+    if (request.empty() || request.mapped().want.keep) cache_.Put(named);
+    return queue_.Deliver(named);
+  }
+  const Result<Hash> name = NameOf(data.of(), &data.part());
+  const auto request = name.ok() ? requests_.extract(name.value()) : decltype(requests_)::node_type();
+  if (request.empty()) return;  // not asked for, or not any more
   blob_s_ = now_s;
-  const auto request = requests_.extract(named.hash);
-  if (request.empty() || request.mapped().keep) cache_.Put(named);
-  queue_.Deliver(named);
+  if (!MayBe(*named.blob, data.part()))
+    return queue_.GiveUp(name.value(), "the coordinator sent another part of a blob than was asked for");
+  cache_.Put({name.value(), named.blob});
+  queue_.Deliver({name.value(), named.blob});
+}
+
+void Session::TakeMissing(const wire::Missing& missing, double now_s) {
+  const Result<Hash> name = NameOf(missing.hash(), missing.has_part() ? &missing.part() : nullptr);
+  if (!name.ok()) return;
+  blob_s_ = now_s;
+  requests_.erase(name.value());
+  queue_.GiveUp(name.value(), Printable(missing.why(), wire::JobLimits().text_bytes));
 }
 
 void Session::SayHello(double now_s) {
@@ -230,15 +256,50 @@ BlobPtr Session::Known(const Hash& hash) {
   return given != given_.end() ? given->second : cache_.Get(hash);
 }
 
+bool Session::Serve(const Want& want) {
+  if (const BlobPtr known = Known(want.hash)) {
+    queue_.Deliver({want.hash, known});
+    return true;
+  }
+  const BlobPtr whole = want.part ? Known(want.part->blob) : nullptr;
+  if (whole == nullptr) return false;
+  if (const Result<BlobPtr> part = CutPart(*whole, want.part->part); part.ok())
+    queue_.Deliver({want.hash, part.value()});
+  else
+    queue_.GiveUp(want.hash, part.status().message());
+  return true;
+}
+
 void Session::Fetch(double now_s) {
   while (requests_.size() < kMaxRequests) {
     const std::optional<Want> want = queue_.TakeWant();
     if (!want) return;
-    if (const BlobPtr blob = Known(want->hash)) {
-      queue_.Deliver({want->hash, blob});
-    } else if (requests_.try_emplace(want->hash, Request{now_s, want->keep}).second) {
-      outbox_.push_back(FetchOf(want->hash));
+    if (Serve(*want)) continue;
+    const bool look = shared_ != nullptr && want->keep;  // partials are nowhere else
+    if (!requests_.try_emplace(want->hash, Request{*want, now_s, look}).second) continue;
+    if (look)
+      shared_->LookFor(*want);
+    else
+      outbox_.push_back(FetchOf(*want));
+  }
+}
+
+// What was found is as good as what is sent.
+void Session::TakeLooks(double now_s) {
+  if (shared_ == nullptr) return;
+  for (const Look& look : shared_->TakeLooks()) {
+    if (!look.why.empty()) log_.Say(PeerLog::kShared, Severity::kWarning, look.why, now_s);
+    const auto request = requests_.find(look.want.hash);
+    if (request == requests_.end() || !request->second.looked_for) continue;  // not wanted any more
+    if (look.blob == nullptr) {
+      request->second.looked_for = false;
+      request->second.asked_s = now_s;
+      outbox_.push_back(FetchOf(look.want));
+      continue;
     }
+    requests_.erase(request);
+    cache_.Put({look.want.hash, look.blob});
+    queue_.Deliver({look.want.hash, look.blob});
   }
 }
 
@@ -252,9 +313,9 @@ std::size_t Session::Unsent(wire::Envelope::BodyCase kind) const {
 void Session::RepeatFetches(double now_s) {
   if (Unsent(wire::Envelope::kFetch) > 0) return;
   for (auto& [hash, request] : requests_) {
-    if (now_s - std::max(request.asked_s, blob_s_) < kAskAgain_s) continue;
+    if (request.looked_for || now_s - std::max(request.asked_s, blob_s_) < kAskAgain_s) continue;
     request.asked_s = now_s;
-    outbox_.push_back(FetchOf(hash));
+    outbox_.push_back(FetchOf(request.want));
   }
 }
 
@@ -278,6 +339,7 @@ void Session::Work(double now_s) {
   if (exit_code_) return;
   if (heartbeat_s_) {
     TakeAnswers();
+    TakeLooks(now_s);
     Fetch(now_s);
     RepeatFetches(now_s);
     SendHeartbeat(now_s);

@@ -15,6 +15,7 @@
 
 #include "worker/blob_cache.h"
 #include "worker/peer_log.h"
+#include "worker/shared_path.h"
 #include "worker/task_queue.h"
 #include "worker/transport.h"
 
@@ -35,7 +36,9 @@ inline constexpr int kExitRefused = 2;  // the coordinator does not want this wo
 
 class Session {
  public:
-  Session(SessionOptions options, Transport& transport, TaskQueue& queue, double now_s);
+  // `shared`: where it looks before it fetches; may be null.
+  Session(SessionOptions options, Transport& transport, TaskQueue& queue, double now_s,
+          SharedPath* shared = nullptr);
   void Handle(const Event& event, double now_s);
   // Fetches, answers and heartbeats that are due. Call it after events, after a wake-up, and after
   // WaitSeconds.
@@ -49,11 +52,13 @@ class Session {
 
  private:
   struct Request {
+    Want want;
     double asked_s = 0;
-    bool keep = true;
+    bool looked_for = false;  // in the shared folder: nobody is asked yet
   };
   void HandleMessage(const wire::Message& message, double now_s);
-  void TakeBlob(const wire::NamedBlob& named, double now_s);
+  void TakeBlob(const wire::BlobData& data, const wire::NamedBlob& named, double now_s);
+  void TakeMissing(const wire::Missing& missing, double now_s);
   void HandleWelcome(const wire::Welcome& welcome, double now_s);
   void HandleAssign(const wire::Assign& assign, double now_s);
   void NoteFailedHandshake();
@@ -63,7 +68,9 @@ class Session {
   std::size_t Unsent(wire::Envelope::BodyCase kind) const;
   void TakeAnswers();
   BlobPtr Known(const Hash& hash);  // null: it has to be fetched
+  bool Serve(const Want& want);     // from what is here; false: it has to be fetched
   void Fetch(double now_s);
+  void TakeLooks(double now_s);
   void RepeatFetches(double now_s);
   void SendHeartbeat(double now_s);
   void EndIfLeft(double now_s);
@@ -72,6 +79,7 @@ class Session {
   const SessionOptions options_;
   Transport& transport_;
   TaskQueue& queue_;
+  SharedPath* const shared_;
   PeerLog log_;
   BlobCache cache_;
   std::map<Hash, BlobPtr> given_;
@@ -85,7 +93,7 @@ class Session {
   bool leaving_ = false;               // it ends once it has nothing assigned
   std::optional<double> leave_by_s_;   // of its own accord: then it ends in any case
   double blob_s_ = 0;                  // when a fetch was last answered
-  std::map<Hash, Request> requests_;
+  std::map<Hash, Request> requests_;   // of parts by their names
   std::deque<wire::Message> outbox_;
   std::optional<int> exit_code_;
 };

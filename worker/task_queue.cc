@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "pipelines/pipeline.h"
+#include "schema/blob_part.h"
 
 namespace cairn::worker {
 namespace {
@@ -16,8 +17,10 @@ bool SameAttempt(const wire::TaskKey& a, const wire::TaskKey& b) {
          a.stage() == b.stage() && a.kind() == b.kind() && a.job() == b.job();
 }
 
-// The blobs that must be here before the task can begin; a failure where a hash is none.
-void ListInputs(AssignedTask& task) {
+// The blobs that must be here before the task can begin; a failure where a hash is none. What a stage is
+// given, START and ADVANCE fetch as they come to it: it may be large, and they may need little of it.
+std::vector<Want> ListInputs(AssignedTask& task) {
+  std::vector<Want> inputs;
   const auto add = [&task](const std::string& binary, auto&& into) {
     const Result<Hash> hash = Hash::FromBinary(binary);
     if (hash.ok())
@@ -25,28 +28,43 @@ void ListInputs(AssignedTask& task) {
     else
       task.failure = "a malformed assignment: " + hash.status().message();
   };
-  const auto input = [&task](const Hash& hash) { task.lacking.insert(hash); };
-  for (const auto& [name, hash] : task.assign.inputs()) add(hash, input);
-  for (const auto& [name, hash] : task.assign.state().blobs()) add(hash, input);
-  for (const proto::InputRef& ref : task.assign.task().inputs()) add(ref.blob(), input);
+  const auto input = [&inputs](const Hash& hash) { inputs.push_back({hash}); };
+  std::set<Hash> of_stage;
+  for (const auto& [name, hash] : task.assign.inputs())
+    add(hash, [&of_stage](const Hash& given) { of_stage.insert(given); });
+  for (const auto& [name, hash] : task.assign.state().blobs())
+    add(hash, [&](const Hash& blob) {
+      if (!of_stage.contains(blob)) input(blob);
+    });
+  for (const proto::InputRef& ref : task.assign.task().inputs()) {
+    add(ref.blob(), [&](const Hash& hash) {
+      if (ref.has_part())
+        inputs.push_back({NameOfPart(hash, ref.part()), true, PartOf{hash, ref.part()}});
+      else
+        input(hash);
+    });
+  }
   for (const std::string& partial : task.assign.partials()) {
     add(partial, [&task](const Hash& hash) {
       task.partials.push_back(hash);
       ++task.partial_uses[hash];
     });
   }
+  for (const Want& want : inputs) task.lacking.insert(want.hash);
+  return inputs;
 }
 
 }  // namespace
 
-void TaskQueue::WantOne(const TaskPtr& task, const Hash& hash, bool keep) {
-  std::vector<TaskPtr>& waiters = waiting_[hash];
-  if (waiters.empty()) wants_.push_back({hash, keep});
+void TaskQueue::WantOne(const TaskPtr& task, Want want) {
+  std::vector<TaskPtr>& waiters = waiting_[want.hash];
+  const bool is_first = waiters.empty();
   if (std::ranges::find(waiters, task) == waiters.end()) waiters.push_back(task);
+  if (is_first) wants_.push_back(std::move(want));
 }
 
-void TaskQueue::WantInputs(const TaskPtr& task) {
-  for (const Hash& hash : task->lacking) WantOne(task, hash, true);
+void TaskQueue::WantInputs(const TaskPtr& task, const std::vector<Want>& inputs) {
+  for (const Want& want : inputs) WantOne(task, want);
   WantPartials(task, 0);
 }
 
@@ -55,15 +73,15 @@ void TaskQueue::WantPartials(const TaskPtr& task, std::size_t first) {
   for (std::size_t i = first; i < end; ++i) {
     const Hash& hash = task->partials[i];
     if (task->partial_blobs.contains(hash) || !task->partials_asked.insert(hash).second) continue;
-    WantOne(task, hash, false);
+    WantOne(task, {hash, false});
   }
 }
 
 void TaskQueue::Add(wire::Assign assign) {
   auto task = std::make_shared<AssignedTask>(std::move(assign));
-  ListInputs(*task);
+  const std::vector<Want> inputs = ListInputs(*task);
   const Lock lock(mutex_);
-  if (task->failure.empty()) WantInputs(task);
+  if (task->failure.empty()) WantInputs(task, inputs);
   queue_.push_back(std::move(task));
   changed_.notify_all();
 }
@@ -119,13 +137,15 @@ void TaskQueue::Deliver(const wire::NamedBlob& named) {
   changed_.notify_all();
 }
 
-void TaskQueue::GiveUp(const Hash& hash) {
+void TaskQueue::GiveUp(const Hash& hash, const std::string& why) {
   const Lock lock(mutex_);
   const auto node = waiting_.extract(hash);
   if (node.empty()) return;
   for (const TaskPtr& task : node.mapped())
-    task->failure = "the coordinator does not have blob " + hash.Hex() +
-                    " any more, or cannot read it (its log says why): submit the job again";
+    task->failure = !why.empty()
+                        ? "the plan is wrong: " + why
+                        : "the coordinator does not have blob " + hash.Hex() +
+                              " any more, or cannot read it (its log says why): submit the job again";
   changed_.notify_all();
 }
 
@@ -187,6 +207,22 @@ TaskPtr TaskQueue::Next() {
 std::string TaskQueue::FailureOf(const AssignedTask& task) const {
   const Lock lock(mutex_);
   return task.failure;
+}
+
+BlobPtr TaskQueue::AwaitInput(AssignedTask& task, Want want) {
+  Lock lock(mutex_);
+  CAIRN_DEMAND(running_.get() == &task, "another task runs");
+  if (task.cancelled) throw Cancelled{};
+  const Hash hash = want.hash;
+  if (!task.blobs.contains(hash)) {
+    task.lacking.insert(hash);
+    WantOne(running_, std::move(want));
+    wake_();
+  }
+  changed_.wait(lock, [&] { return task.cancelled || !task.failure.empty() || task.blobs.contains(hash); });
+  if (task.cancelled) throw Cancelled{};
+  if (!task.failure.empty()) throw std::runtime_error(task.failure);
+  return task.blobs.at(hash);
 }
 
 BlobPtr TaskQueue::AwaitPartial(AssignedTask& task, std::size_t index) {

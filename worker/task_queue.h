@@ -29,7 +29,7 @@ struct AssignedTask {
   std::atomic<bool> cancelled{false};
 
   // All below: guarded by the task queue, fixed once the task is ready unless said otherwise.
-  std::map<Hash, BlobPtr> blobs;          // inputs that have come
+  std::map<Hash, BlobPtr> blobs;          // inputs that have come; of parts by their names
   std::set<Hash> lacking;                 // inputs that have not
   std::string failure;                    // why it cannot be computed; grows at any time
   std::vector<Hash> partials;             // ADVANCE: in task order, fetched a few ahead of the reader
@@ -39,10 +39,18 @@ struct AssignedTask {
 };
 using TaskPtr = std::shared_ptr<AssignedTask>;
 
-// A blob that a task needs. Inputs are worth keeping for other tasks; a partial is read once.
+// A part of a blob.
+struct PartOf {
+  Hash blob;
+  proto::BlobPart part;
+};
+
+// A blob that a task needs, or a part of one. Inputs are worth keeping for other tasks; a partial is read
+// once.
 struct Want {
-  Hash hash;
+  Hash hash;  // of a part: its name (schema/blob_part.h)
   bool keep = true;
+  std::optional<PartOf> part = {};
 };
 
 class TaskQueue {
@@ -55,7 +63,8 @@ class TaskQueue {
   void Cancel(const wire::TaskKey& key);  // unknown keys are ignored
   void DropAll();                         // as if all were cancelled, and answers not yet taken too
   void Deliver(const wire::NamedBlob& named);
-  void GiveUp(const Hash& hash);   // the coordinator does not have it
+  // The coordinator does not have it, or, where it has the blob, says why it has no such part.
+  void GiveUp(const Hash& hash, const std::string& why = {});
   std::optional<Want> TakeWant();  // the next that was not taken before, in the order of need
   std::vector<wire::Message> TakeAnswers();
   wire::Heartbeat Assigned() const;  // running and waiting tasks with their ticks
@@ -66,17 +75,18 @@ class TaskQueue {
   // ---- for the thread that computes ----
   TaskPtr Next();  // waits for the first task to be ready; null: closed
   std::string FailureOf(const AssignedTask& task) const;  // why it cannot be computed; empty: it can
-  // Waits.
-  // Throws Cancelled, or runtime_error where the coordinator does not have it.
+  // Both wait.
+  // Throw Cancelled, or runtime_error where the coordinator does not have it.
+  BlobPtr AwaitInput(AssignedTask& task, Want want);
   BlobPtr AwaitPartial(AssignedTask& task, std::size_t index);
   // The task leaves the queue; its answer goes out unless it was cancelled.
   void Finish(const AssignedTask& task, wire::Message answer);
 
  private:
   using Lock = std::unique_lock<std::mutex>;
-  void WantInputs(const TaskPtr& task);
+  void WantInputs(const TaskPtr& task, const std::vector<Want>& inputs);
   void WantPartials(const TaskPtr& task, std::size_t first);
-  void WantOne(const TaskPtr& task, const Hash& hash, bool keep);
+  void WantOne(const TaskPtr& task, Want want);
   void Forget(const TaskPtr& task);
 
   const std::function<void()> wake_;

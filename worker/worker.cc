@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <future>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -46,7 +47,9 @@ int RunWorker(Transport& transport, const PipelineFactory& factory, const Worker
   FixNumericsOfProcess();
   const std::function<double()> now_s = options.now_s ? options.now_s : SteadySeconds;
   TaskQueue queue([&transport] { transport.Wake(); });
-  Session session(options.session, transport, queue, now_s());
+  std::optional<SharedPath> shared;
+  if (!options.shared_path.empty()) shared.emplace(options.shared_path, [&transport] { transport.Wake(); });
+  Session session(options.session, transport, queue, now_s(), shared ? &*shared : nullptr);
   ComputeThread computing(queue, factory, options.task_memory_mb);
   bool leaving = false;
   while (!stop && !session.exit_code()) {

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 
 #include "schema/service_manager.h"
@@ -22,6 +23,7 @@ struct WorkerOptions {
   // Where `drain` comes true it finishes what it runs, for at most drain_s, and then ends.
   const std::atomic<bool>* drain = nullptr;
   double drain_s = 0;
+  std::filesystem::path shared_path;  // a folder of blobs (shared_path.h); empty: there is none
   ServiceManager* manager = nullptr;  // is told that it is alive; none: nobody is
 };
 

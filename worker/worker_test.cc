@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "pipelines/testing/in_process.h"
+#include "schema/blob_part.h"
 #include "worker/testing/rig.h"
 #include "worker/testing/toy_pipeline.h"
 
@@ -75,12 +76,28 @@ TEST(Worker, AWholeStageEqualsTheInProcessRunner) {
   }
 }
 
+// A stage that reads its log, or its head alone, and then its map.
+class Reader : public LambdaPipeline {
+ public:
+  explicit Reader(bool head) : LambdaPipeline(nullptr), head_(head) {}
+  Step Start(const Inputs& inputs) const override {
+    const BlobPtr log = head_ ? inputs.GetHead("log", "turn_rad") : inputs.Get("log");
+    Step step;
+    step.plan.set_note(std::to_string(log->ByteCount()));
+    if (inputs.Has("map")) inputs.Get("map");
+    return step;
+  }
+
+ private:
+  const bool head_;
+};
+
 // By the name that the pipeline gives it, or else by the kind that it is of (schema/kinds/kind.h).
-TEST(Worker, ChecksTheFormOfWhatAStageBeginsWith) {
-  Rig rig(testing::MakeToy);
+TEST(Worker, ChecksTheFormOfWhatAStageReads) {
+  bool head = false;
+  Rig rig([&head](const proto::Stage&, std::uint64_t) { return std::make_unique<Reader>(head); });
   rig.Begin();
   wire::Assign assign;
-  assign.mutable_stage()->set_pipeline("toy");
   assign.mutable_key()->set_kind(wire::TaskKey::START);
   Blob bad = testing::ToyLog(3), map;
   bad.Put("robots", Array::Texts({"anna"}));
@@ -97,10 +114,14 @@ TEST(Worker, ChecksTheFormOfWhatAStageBeginsWith) {
     EXPECT_EQ(answer.envelope.failed().input_error(), answer.envelope.has_failed());
     return answer.envelope.failed().message();
   };
-  EXPECT_EQ(failure(good, good), "");
-  EXPECT_EQ(failure(bad_log, good),
-            "input 'log': 'robot/0/odometry/turn_rad' has the shape [2], where [C] is needed: C is 3 by "
-            "'robot/0/odometry/time_s'");
+  for (const bool of_head : {false, true}) {
+    head = of_head;
+    assign.set_seed(head ? 1 : 0);  // another pipeline
+    EXPECT_EQ(failure(good, good), "");
+    EXPECT_EQ(failure(bad_log, good),
+              "input 'log': 'robot/0/odometry/turn_rad' has the shape [2], where [C] is needed: C is 3 by "
+              "'robot/0/odometry/time_s'");
+  }
   EXPECT_EQ(failure(good, far),
             "input 'map': 'map/landmark_x_m', entry 1: 2000000000, where -1e+09 to 1e+09 is needed");
 }
@@ -192,6 +213,96 @@ TEST(Worker, GivesATaskTheRowsThatItAsksForAndNoOthers) {
   const wire::Message beyond = rig.Serve();
   ASSERT_TRUE(beyond.envelope.has_failed());
   EXPECT_FALSE(beyond.envelope.failed().input_error()) << "the plan's fault, not the user's";
+}
+
+wire::Assign ReadsRows(std::uint32_t index, const Hash& blob, std::int64_t first, std::int64_t count) {
+  wire::Assign assign = RunTask(index, {{"a", blob}});
+  *assign.mutable_task()->mutable_inputs(0)->mutable_part() = RowsPart("v", first, count);
+  return assign;
+}
+
+Blob SumOfRows(const Task&, const Inputs& inputs, Progress&) {
+  double sum = 0;
+  for (const double v : inputs.Get("a")->Get<double>("v")) sum += v;
+  return Number(sum);
+}
+
+TEST(Worker, FetchesNoMoreThanThePartThatATaskNamesAndKeepsIt) {
+  Rig rig(SumOfRows);
+  rig.Begin();
+  Blob all;
+  all.PutVector<double>("v", {1, 2, 4, 8});
+  const Hash blob = rig.Keep(std::move(all));
+  rig.Assign(ReadsRows(0, blob, 1, 2));
+  const wire::Message fetch = rig.transport.Take();
+  ASSERT_TRUE(fetch.envelope.has_fetch());
+  EXPECT_EQ(fetch.envelope.fetch().part().row_count(), 2);
+  rig.Answer(fetch.envelope.fetch());
+  EXPECT_EQ(rig.Serve().blobs.at(0).blob->Scalar<double>("v"), 6);
+  for (const auto& [first, sum] : {std::pair{1, 6.0}, {2, 12.0}}) {
+    rig.Assign(ReadsRows(1, blob, first, 2));
+    EXPECT_EQ(rig.Serve().blobs.at(0).blob->Scalar<double>("v"), sum);
+  }
+  EXPECT_EQ(rig.fetches, 1) << "of the part that it did not have";
+}
+
+TEST(Worker, CutsPartsOfABlobThatItHas) {
+  Blob all;
+  all.PutVector<double>("v", {1, 2, 4, 8});
+  const wire::NamedBlob given = wire::NameBlob(std::make_shared<const Blob>(std::move(all)));
+  Rig rig(SumOfRows, [&given](WorkerOptions& options) { options.session.given = {given}; });
+  rig.Begin();
+  rig.Assign(ReadsRows(0, given.hash, 2, 2));
+  EXPECT_EQ(rig.Serve().blobs.at(0).blob->Scalar<double>("v"), 12);
+  rig.Assign(ReadsRows(1, given.hash, 2, 3));
+  EXPECT_NE(rig.Serve().envelope.failed().message().find("3 rows from row 2 on of 'v', which has 4"),
+            std::string::npos);
+  EXPECT_EQ(rig.fetches, 0);
+}
+
+TEST(Worker, APartThatIsNotThereOrIsAnotherIsAFailureThatSaysSo) {
+  Rig rig(SumOfRows);
+  rig.Begin();
+  Blob all;
+  all.PutVector<double>("v", {1, 2, 4, 8});
+  const Hash blob = rig.Keep(std::move(all));
+  rig.Assign(ReadsRows(0, blob, 3, 2));
+  const wire::Message missing = rig.Serve();
+  ASSERT_TRUE(missing.envelope.has_failed());
+  EXPECT_FALSE(missing.envelope.failed().input_error()) << "the plan's fault, not the user's";
+  EXPECT_NE(missing.envelope.failed().message().find("2 rows from row 3 on of 'v', which has 4"),
+            std::string::npos);
+  rig.Assign(ReadsRows(1, blob, 0, 2));
+  ASSERT_TRUE(rig.transport.Take().envelope.has_fetch());
+  wire::Message other;  // says that it is what was asked for
+  wire::BlobData& data = *other.envelope.mutable_blob();
+  data.set_of(blob.Binary());
+  *data.mutable_part() = RowsPart("v", 0, 2);
+  other.blobs = {wire::NameBlob(rig.store.at(blob))};
+  rig.Give(other);
+  EXPECT_NE(rig.Serve().envelope.failed().message().find("another part"), std::string::npos);
+}
+
+TEST(Worker, AStageFetchesWhatItReadsOfItsInputs) {
+  Rig rig([](const proto::Stage&, std::uint64_t) { return std::make_unique<Reader>(true); });
+  rig.Begin();
+  wire::Assign assign;
+  assign.mutable_key()->set_kind(wire::TaskKey::START);
+  const Blob log = testing::ToyLog(1000);
+  (*assign.mutable_inputs())["log"] = rig.Keep(log).Binary();
+  (*assign.mutable_inputs())["other"] = Number(3).ContentHash().Binary();  // nobody has it, nobody reads it
+  rig.Assign(assign);
+  const wire::Message planned = rig.Serve();
+  ASSERT_TRUE(planned.envelope.has_done()) << planned.envelope.DebugString();
+  EXPECT_EQ(planned.envelope.done().step().note(), std::to_string(log.ByteCount() - 8000));
+  EXPECT_EQ(rig.fetches, 1);
+}
+
+TEST(Worker, AnAnswerWithoutItsElementsIsABugOfThePipeline) {
+  Rig rig([](const Task&, const Inputs& inputs, Progress&) { return *inputs.GetHead("a", "v"); });
+  rig.Begin();
+  rig.Assign(RunTask(0, {{"a", rig.Keep(Number(1))}}));
+  EXPECT_NE(rig.Serve().envelope.failed().message().find("without its elements"), std::string::npos);
 }
 
 TEST(Worker, ACancelledTaskMakesRoomForTheNext) {

@@ -189,6 +189,7 @@ void Core::BeginRound(Job& job, const proto::Step& step) {
   job.partials.assign(static_cast<std::size_t>(step.tasks_size()), Hash{});
   ledger_.Replace(job.holds.step, BlobsOfStep(step));
   ledger_.Release(job.holds.partials);
+  job.parts.BeginRound();
   job.tasks = step.tasks_size() > 0 ? Round::OfTasks(step) : Round::OfPlan(wire::TaskKey::ADVANCE);
   job.eta.BeginRound(step, job.tasks, now_s_);
   ++job.saving.rounds;

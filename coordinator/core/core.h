@@ -41,7 +41,7 @@ struct CoreOptions {
   double keep_s = 0;        // a job that has ended for longer is deleted; 0: none is
   double task_time_s = 0;   // of a task whose job says nothing; 0: no limit
   std::uint64_t task_memory_mb = 0;  // the same
-  std::uint32_t protocol = 2;        // Hello.protocol that is spoken here
+  std::uint32_t protocol = 3;        // Hello.protocol that is spoken here
   wire::Build build;                 // of the coordinator: bits of another must not be mixed with its own
 };
 
@@ -156,6 +156,7 @@ class Core {
   // dispatch.cc
   void Dispatch();
   void DispatchReady();  // ready tasks, to workers that have room
+  std::uint32_t NearestReady(const Job& job, const Worker& worker) const;
   void Queue(std::uint64_t order);
   const std::set<std::uint64_t>& ExcludedBy(const Job& job) const;  // none where there is nobody else
   void Assign(Job& job, std::uint32_t task, const std::vector<Hash>& inputs, Worker& worker);

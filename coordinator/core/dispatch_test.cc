@@ -1,7 +1,10 @@
 // Which worker gets which task.
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "coordinator/core/testing/core_fixture.h"
+#include "schema/blob_part.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -85,6 +88,60 @@ TEST(CoreDispatch, AnIdleWorkerCopiesAStragglerAndTheFirstAnswerCounts) {
   EXPECT_EQ(fixture.Next().assign.key().kind(), wire::TaskKey::ADVANCE);
   fixture.AnswerRun(on_w, H(20));
   EXPECT_TRUE(fixture.alarms.empty());
+}
+
+// A round of tasks that read a row each of the log of TestJob.
+proto::Step StepOfRows(const std::vector<int>& rows) {
+  proto::Step step = TestStep(static_cast<int>(rows.size()));
+  for (int i = 0; i < step.tasks_size(); ++i) {
+    proto::InputRef& input = *step.mutable_tasks(i)->mutable_inputs(0);
+    *input.mutable_part() = RowsPart("range_m", rows[static_cast<std::size_t>(i)], 1);
+  }
+  return step;
+}
+
+// However they are ordered in the next round: what goes over the wire goes there once.
+TEST(CoreDispatch, TasksGoToWhoeverWasGivenTheSamePartsBefore) {
+  CoreFixture fixture;
+  fixture.Submit();
+  fixture.Join("v", 2);
+  fixture.Join("w", 2);
+  fixture.AnswerPlan(fixture.Next(), StepOfRows({0, 1, 2, 3}));
+  std::map<std::int64_t, std::string> read_by;
+  for (std::uint64_t i = 0; i < 4; ++i) {
+    const auto task = fixture.Next();
+    read_by[task.assign.task().inputs(0).part().first_row()] = task.peer;
+    fixture.AnswerRun(task, H(10 + i));
+  }
+  EXPECT_NE(read_by[0], read_by[1]);
+  std::vector<int> again;  // those of one worker first
+  for (const char* worker : {"v", "w"})
+    for (const auto& [row, peer] : read_by)
+      if (peer == worker) again.push_back(static_cast<int>(row));
+  ASSERT_EQ(again.size(), 4u);
+  fixture.AnswerPlan(fixture.Next(), StepOfRows(again));
+  for (int i = 0; i < 4; ++i) {
+    const auto task = fixture.Next();
+    EXPECT_EQ(read_by[task.assign.task().inputs(0).part().first_row()], task.peer) << i;
+  }
+}
+
+TEST(CoreDispatch, PartsOfAWorkerThatIsGoneGoToAnother) {
+  CoreFixture fixture;
+  fixture.Submit();
+  fixture.Join("v", 2);
+  fixture.AnswerPlan(fixture.Next(), StepOfRows({0, 1}));
+  for (std::uint64_t i = 0; i < 2; ++i) fixture.AnswerRun(fixture.Next(), H(10 + i));
+  const auto advance = fixture.Next();
+  fixture.Join("w", 2);
+  fixture.AnswerPlan(advance, StepOfRows({0, 1}));
+  const auto on_v = fixture.Next(), on_w = fixture.Next();
+  EXPECT_EQ(on_v.peer, "v");
+  EXPECT_EQ(on_w.peer, "w") << "who is idle takes what another has read";
+  fixture.Do(WorkerLeave{"v"});
+  const auto again = fixture.Next();
+  EXPECT_EQ(again.peer, "w");
+  EXPECT_EQ(again.assign.key().task(), on_v.assign.key().task());
 }
 
 TEST(CoreDispatch, AChainStaysOnTheWorkerThatHasThePartial) {

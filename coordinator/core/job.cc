@@ -67,6 +67,12 @@ std::string Whereabouts(const Job& job) {
          std::to_string(job.tasks.size()) + " tasks done";
 }
 
+std::uint64_t PartPlaces::WorkerOf(const Hash& part) const {
+  for (const auto* places : {&now, &before})
+    if (const auto it = places->find(part); it != places->end()) return it->second;
+  return 0;
+}
+
 void Job::SetSpec(const proto::Job& job) {
   spec = job;
   hash = HashOfJob(job);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "coordinator/core/blob_ledger.h"
@@ -70,6 +71,16 @@ struct Pace {
   double Expect(double of_cost) const { return cost > 0 ? seconds / cost * of_cost : 1; }
 };
 
+// Who was given a task last that reads a part of a blob, of the round under way and of the one before: so
+// tasks that read the same rows in one round after the other go where these are.
+struct PartPlaces {
+  std::map<Hash, std::uint64_t> now, before;  // number of a worker, by the part's name
+
+  void Note(const Hash& part, std::uint64_t worker) { now[part] = worker; }
+  std::uint64_t WorkerOf(const Hash& part) const;  // 0: nobody
+  void BeginRound() { before = std::exchange(now, {}); }
+};
+
 // Blobs that a job keeps alive, by reason.
 struct Holds {
   BlobLedger::Hold inputs, results, step, partials, saving, saved, saved_before;
@@ -109,9 +120,10 @@ struct Job {
   // For people and for placement; no result depends on it.
   std::vector<proto::StageFacts> facts;
   std::vector<std::string> failures;  // the last few
-  std::deque<double> task_seconds;    // of this round's last answers
-  Pace run_pace, plan_pace;           // of this stage's RUN tasks; of every START and ADVANCE, each of cost 1
-  Eta eta;                            // of this stage
+  PartPlaces parts;
+  std::deque<double> task_seconds;  // of this round's last answers
+  Pace run_pace, plan_pace;         // of this stage's RUN tasks; of every START and ADVANCE, each of cost 1
+  Eta eta;                          // of this stage
   double round_since_s = 0;
   double running_since_s = 0;
   double seconds_before = 0;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "schema/blob_part.h"
+
 namespace cairn::coordinator {
 namespace {
 
@@ -16,9 +18,12 @@ Round Round::OfTasks(const proto::Step& step) {
   round.tasks_.resize(step.tasks_size());
   for (const proto::Task& task : step.tasks()) {
     std::set<std::uint32_t> earlier;
-    for (const proto::InputRef& input : task.inputs())
-      if (input.has_task()) earlier.insert(input.task());
     TaskRecord& record = round.tasks_[task.index()];
+    for (const proto::InputRef& input : task.inputs()) {
+      if (input.has_task()) earlier.insert(input.task());
+      if (input.has_part())
+        record.parts.push_back(NameOfPart(Hash::FromBinary(input.blob()).value(), input.part()));
+    }
     record.cost = std::max<std::uint64_t>(task.cost(), 1);
     round.CountAsWaiting(record);
     record.waits_for = static_cast<std::uint32_t>(earlier.size());
@@ -47,6 +52,12 @@ Round Round::OfPlan(wire::TaskKey::Kind kind) {
 std::uint32_t Round::NextReady() const {
   CAIRN_DEMAND(HasReady(), "no task is ready");
   return ready_.begin()->second;
+}
+
+std::vector<std::uint32_t> Round::FirstReady(std::size_t most) const {
+  std::vector<std::uint32_t> first;
+  for (auto it = ready_.begin(); it != ready_.end() && first.size() < most; ++it) first.push_back(it->second);
+  return first;
 }
 
 std::uint32_t Round::Begin(std::uint32_t index, std::uint64_t worker) {

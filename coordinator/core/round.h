@@ -32,6 +32,7 @@ struct TaskRecord {
   // Fixed by the plan.
   std::uint64_t cost = 1;                // at least 1
   std::vector<std::uint32_t> followers;  // tasks that read this one's partial
+  std::vector<Hash> parts;               // of blobs, that it reads (schema/blob_part.h)
   double chain = 0;                      // cost of the longest chain of tasks that begins with this one
   // How it stands.
   TaskStatus status = TaskStatus::kWaiting;
@@ -68,6 +69,7 @@ class Round {
   bool HasReady() const { return !ready_.empty(); }
   // The most costly ready task, of equals the first: long ones early keep the round's end short.
   std::uint32_t NextReady() const;
+  std::vector<std::uint32_t> FirstReady(std::size_t most) const;  // that one and those after it
 
   // Begins an attempt (of a ready task, or one more of a running one) and returns its number.
   std::uint32_t Begin(std::uint32_t index, std::uint64_t worker);

@@ -4,6 +4,7 @@
 
 #include "coordinator/core/job.h"
 #include "coordinator/core/testing/core_fixture.h"
+#include "schema/blob_part.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -98,6 +99,27 @@ TEST(CheckStep, NamesWhatIsWrong) {
   step.mutable_tasks(1)->set_kind(std::string(1000, 'x'));
   EXPECT_EQ(CheckStep(step), "task 1: its kind is no name")
       << "a reason does not repeat what may be of any length";
+}
+
+// Whether a blob has such rows only who has it can tell.
+TEST(CheckStep, APartIsOfABlobAndHasRowsThatCanBe) {
+  const auto with = [](const proto::BlobPart& part, std::int64_t rows = 0, bool of_task = false) {
+    proto::Step step = TestStep(2);
+    proto::InputRef& input = *step.mutable_tasks(1)->mutable_inputs(0);
+    *input.mutable_part() = part;
+    input.set_row_count(rows);
+    if (of_task) input.set_task(0);
+    return CheckStep(step);
+  };
+  EXPECT_EQ(with(RowsPart("range_m", 3, 4)), "");
+  EXPECT_EQ(with(HeadPart("range_m")), "");
+  EXPECT_EQ(with(RowsPart("range_m", -1, 4)),
+            "task 1 (toy), its input 'log': a part of a blob has rows from 0 on, and at least one, not 4 "
+            "from -1 on");
+  for (const std::string& wrong :
+       {with(RowsPart("range_m", 3, INT64_MAX)), with(proto::BlobPart()), with(RowsPart("range_m", 3, 4), 1),
+        with(RowsPart("range_m", 3, 4), 0, true)})
+    EXPECT_NE(wrong, "");
 }
 
 TEST(CheckStep, ARoundHasALimit) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "coordinator/core/round.h"
+#include "schema/blob_part.h"
 #include "schema/text.h"
 
 namespace cairn::coordinator {
@@ -30,6 +31,11 @@ std::string CheckTask(const proto::Task& task, std::uint32_t place) {
       return name + " reads the partial of a task that is not earlier";
     if (!input.has_task() && !IsHash(input.blob()))
       return name + ": its input '" + input.name() + "' has no hash";
+    if (!input.has_part()) continue;
+    const std::string wrong = input.has_task() || input.row_count() != 0 || input.first_row() != 0
+                                  ? "a part is of a blob, and has its rows itself"
+                                  : WhatIsWrong(input.part());
+    if (!wrong.empty()) return name + ", its input '" + input.name() + "': " + wrong;
   }
   return "";
 }

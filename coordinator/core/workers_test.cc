@@ -62,7 +62,7 @@ TEST(CoreWorkers, AJobThatAnotherBuildBeganKeepsNobodyOutAndDoesNotGoOn) {
 TEST(CoreWorkers, AnotherProtocolOrNoSlotsAreRefused) {
   CoreFixture fixture;
   wire::Hello hello;
-  hello.set_protocol(3);
+  hello.set_protocol(4);
   hello.set_slots(1);
   fixture.Do(WorkerHello{"w", hello});
   EXPECT_EQ(fixture.Sent(&wire::Envelope::has_refuse).size(), 1u);

@@ -146,6 +146,7 @@ class Server {
 
   // server_requests.cc
   void Serve(const std::string& peer, const wire::Fetch& fetch);
+  void ServePart(const std::string& peer, const Hash& hash, const proto::BlobPart& part);
   void Serve(const std::string& peer, const wire::Have& have);
   void Serve(const std::string& peer, const std::string& user, const wire::Submit& submit);
   void Serve(const std::string& peer, const std::string& user, const wire::JobQuery& query);

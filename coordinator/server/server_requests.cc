@@ -72,6 +72,7 @@ void Server::Serve(const std::string& peer, const wire::Fetch& fetch) {
   // up.
   if (hash.ok() && !may && blobs_.Has(hash.value()) && core_.fleet().Knows(peer))
     refusals_.Add({wire::RefusalKind::kTask, "a fetch of a blob that is not for this worker"}, Now());
+  if (may && fetch.has_part()) return ServePart(peer, hash.value(), fetch.part());
   wire::Message answer;
   Status unread;
   if (const BlobPtr blob = may ? blobs_.Get(hash.value(), &unread) : nullptr) {
@@ -80,6 +81,27 @@ void Server::Serve(const std::string& peer, const wire::Fetch& fetch) {
   } else {
     if (!unread.ok()) log_(Severity::kError, unread.message());
     answer.envelope.mutable_missing()->set_hash(hash.ok() ? fetch.hash() : std::string());
+    if (fetch.has_part()) *answer.envelope.mutable_missing()->mutable_part() = fetch.part();
+  }
+  transport_.Send(peer, std::move(answer));
+}
+
+void Server::ServePart(const std::string& peer, const Hash& hash, const proto::BlobPart& part) {
+  wire::Message answer;
+  const Result<BlobPtr> cut = blobs_.GetPart(hash, part);
+  if (cut.ok()) {
+    wire::BlobData& data = *answer.envelope.mutable_blob();
+    data.set_of(hash.Binary());
+    *data.mutable_part() = part;
+    answer.blobs.push_back(wire::NameBlob(cut.value()));
+  } else {
+    wire::Missing& missing = *answer.envelope.mutable_missing();
+    missing.set_hash(hash.Binary());
+    *missing.mutable_part() = part;
+    if (cut.status().code() == Code::kRefused)
+      missing.set_why(cut.status().message());
+    else if (cut.status().code() != Code::kNotFound)
+      log_(Severity::kError, cut.status().message());
   }
   transport_.Send(peer, std::move(answer));
 }

@@ -150,10 +150,17 @@ TEST_F(Rights, ABlobThatIsNotOfItsTasksIsNotServed) {
   fixture_.Until([&] { return answered("x"); });
   EXPECT_TRUE(fixture_.transport.sent.back().second.envelope.has_missing());
   EXPECT_EQ(Count(RefusalKind::kTask), 1u);
+  wire::Message part = fetch;  // nor is a part of it
+  part.envelope.mutable_fetch()->mutable_part()->set_but("none");
+  fixture_.transport.sent.clear();
+  fixture_.transport.Come("x", part, other_);
+  fixture_.Until([&] { return answered("x"); });
+  EXPECT_TRUE(fixture_.transport.sent.back().second.envelope.has_missing());
+  EXPECT_EQ(Count(RefusalKind::kTask), 2u);
   fixture_.transport.Come("w", fetch, worker_);
   fixture_.Until([&] { return answered("w"); });
   EXPECT_TRUE(fixture_.transport.sent.back().second.envelope.has_blob());
-  EXPECT_EQ(Count(RefusalKind::kTask), 1u);
+  EXPECT_EQ(Count(RefusalKind::kTask), 2u);
 }
 
 TEST_F(Rights, AnAnswerToAnothersTaskWritesNothing) {
@@ -260,7 +267,7 @@ TEST(RefusalLog, AFloodIsCountedButNotLoggedLineByLine) {
 TEST(RefusalLog, AWorkersWordsCannotGarbleTheLog) {
   ServerFixture fixture;
   wire::Message hello;
-  hello.envelope.mutable_hello()->set_protocol(2);
+  hello.envelope.mutable_hello()->set_protocol(3);
   hello.envelope.mutable_hello()->set_slots(4'000'000'000u);
   hello.envelope.mutable_hello()->set_host("x\n12:00 error: all is lost\x1b[2J" + std::string(100'000, 'y'));
   fixture.transport.Come("w", hello);
@@ -275,7 +282,7 @@ TEST(RefusalLog, AWorkersWordsCannotGarbleTheLog) {
 TEST_F(Rights, AWorkerIsCalledAsItsKeyIs) {
   Allow(worker_ + " worker desk\n");
   wire::Message hello;
-  hello.envelope.mutable_hello()->set_protocol(2);
+  hello.envelope.mutable_hello()->set_protocol(3);
   hello.envelope.mutable_hello()->set_slots(2);
   hello.envelope.mutable_hello()->set_name("another's");
   fixture_.transport.Come("w", std::move(hello), worker_);

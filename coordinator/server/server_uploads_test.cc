@@ -2,6 +2,7 @@
 #include <fstream>
 
 #include "coordinator/server/testing/hub_fixture.h"
+#include "schema/blob_part.h"
 #include "schema/store/flat_file.h"
 
 namespace cairn::coordinator {
@@ -63,6 +64,47 @@ TEST_F(ServerUploads, AJobWhoseInputCameInPiecesIsDurableAndRunsAlsoAfterARestar
   fixture_.Until([&] { return !fixture_.transport.sent.empty(); });
   ASSERT_TRUE(fixture_.transport.sent.back().second.envelope.has_blob());
   EXPECT_EQ(fixture_.transport.sent.back().second.blobs[0].blob->fields(), large_.blob->fields());
+}
+
+// The coordinator holds none of it, though it may hold much.
+TEST_F(ServerUploads, OfAnInputAWorkerIsServedThePartThatItAsksForAndIsToldWhatThatLacks) {
+  ASSERT_TRUE(fixture_.Upload(large_).ok());
+  ASSERT_TRUE(fixture_.Ask(fixture_.Submission(LargeJob(), false)).ok());
+  fixture_.transport.swallow = [](const wire::Assign&) { return true; };
+  fixture_.transport.ComeWorker("w");
+  fixture_.Until([&] { return fixture_.transport.assigned > 0; });
+  const auto answer = [&](const proto::BlobPart& part) {
+    wire::Message fetch;
+    fetch.envelope.mutable_fetch()->set_hash(large_.hash.Binary());
+    *fetch.envelope.mutable_fetch()->mutable_part() = part;
+    fixture_.transport.sent.clear();
+    fixture_.transport.Come("w", fetch);
+    fixture_.Until([&] { return !fixture_.transport.sent.empty(); });
+    return fixture_.transport.sent.back().second;
+  };
+  const proto::BlobPart rows = RowsPart("values", 200'000, 3);
+  const wire::Message part = answer(rows);
+  ASSERT_TRUE(part.envelope.has_blob());
+  EXPECT_EQ(part.envelope.blob().of(), large_.hash.Binary());
+  EXPECT_EQ(part.envelope.blob().part().SerializeAsString(), rows.SerializeAsString());
+  EXPECT_EQ(part.blobs.at(0).blob->fields(), CutPart(*large_.blob, rows).value()->fields());
+  EXPECT_EQ(part.blobs.at(0).hash, part.blobs.at(0).blob->ContentHash());
+  for (const proto::BlobPart& bad : {RowsPart("values", 400'000, 1), RowsPart("values", 0, INT64_MAX),
+                                     RowsPart("none", 0, 1), RowsPart("values", -1, 1), proto::BlobPart()}) {
+    const wire::Message refused = answer(bad);
+    ASSERT_TRUE(refused.envelope.has_missing());
+    EXPECT_NE(refused.envelope.missing().why(), "");
+    EXPECT_EQ(refused.envelope.missing().part().SerializeAsString(), bad.SerializeAsString());
+  }
+  EXPECT_TRUE(answer(rows).envelope.has_blob()) << "it is whole all the same";
+  {
+    std::fstream file(fixture_.folder->FlatFile(large_.hash),
+                      std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(2'000'000);
+    file.put(77);
+  }
+  EXPECT_TRUE(answer(RowsPart("values", 0, 400'000)).envelope.has_missing());
+  EXPECT_TRUE(fixture_.Logged("damaged"));
 }
 
 TEST_F(ServerUploads, AnInputGoesWithTheLastJobThatNeedsIt) {

@@ -88,6 +88,14 @@ Result<BlobPtr> BlobFiles::Read(const Hash& hash) {
   return path == folder_.BlobFile(hash) ? ReadAlone(path, hash) : ReadPacked(path, hash);
 }
 
+Result<BlobPtr> BlobFiles::ReadPart(const Hash& hash, const proto::BlobPart& part) {
+  const fs::path path = FileOf(hash);
+  if (path != folder_.FlatFile(hash)) return Status(Code::kNotFound, "no flat blob");
+  return parts_.Read(path, hash, part);
+}
+
+void BlobFiles::ForgetParts(const Hash& hash) { parts_.Forget(hash); }
+
 Status BlobFiles::Check(const Hash& hash) const {
   const fs::path path = FileOf(hash);
   const bool alone = path == folder_.FlatFile(hash) || path == folder_.BlobFile(hash);

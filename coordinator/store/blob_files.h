@@ -17,6 +17,7 @@
 #include "coordinator/core/uploads.h"
 #include "coordinator/store/folder.h"
 #include "schema/store/flat_file.h"
+#include "schema/store/flat_parts.h"
 #include "schema/wire/codec.h"
 
 namespace cairn::coordinator {
@@ -30,6 +31,10 @@ class BlobFiles {
   bool Has(const Hash& hash) const;
   // kNotFound; kCorrupt where the file is damaged or its content is not what its name says.
   Result<BlobPtr> Read(const Hash& hash);
+  // A part of a flat blob, at no more than its cost but for the first, which checks the whole file; of any
+  // other blob kNotFound, for it is read whole. As FlatParts says.
+  Result<BlobPtr> ReadPart(const Hash& hash, const proto::BlobPart& part);
+  void ForgetParts(const Hash& hash);  // it will not be asked for any more
   // Whether Read would give it. Costs nothing for what lies in a pack: those were read when they were
   // indexed.
   Status Check(const Hash& hash) const;
@@ -57,6 +62,7 @@ class BlobFiles {
   };
   const StoreFolder& folder_;
   std::deque<OpenPack> open_packs_;  // read last; of the thread that reads
+  FlatPartsCache parts_;             // the same
   mutable std::mutex mutex_;         // of what follows
   std::map<std::filesystem::path, std::set<Hash>> packs_;
   std::map<Hash, std::filesystem::path> pack_of_;

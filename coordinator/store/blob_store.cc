@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "schema/blob_part.h"
+
 namespace cairn::coordinator {
 
 void BlobStore::Put(const wire::NamedBlob& named, std::uint64_t ticket) {
@@ -53,6 +55,21 @@ BlobPtr BlobStore::Get(const Hash& hash, Status* why) {
   return blob;
 }
 
+Result<BlobPtr> BlobStore::GetPart(const Hash& hash, const proto::BlobPart& part) {
+  const auto it = entries_.find(hash);
+  if (it != entries_.end() && it->second.blob == nullptr) {
+    Result<BlobPtr> read = files_.ReadPart(hash, part);
+    if (read.ok() || read.status().code() != Code::kNotFound) {
+      it->second.lost = !read.ok() && read.status().code() != Code::kRefused;
+      return read;
+    }
+  }
+  Status unread(Code::kNotFound, "there is no such blob");
+  const BlobPtr whole = Get(hash, &unread);
+  if (whole == nullptr) return unread;
+  return CutPart(*whole, part);
+}
+
 // Those on disk too go first come first out; the rest waits until it is spilled.
 void BlobStore::Evict() {
   for (auto age = ages_.begin(); bytes_ > cap_bytes_ && age != ages_.end();) {
@@ -84,6 +101,7 @@ void BlobStore::Drop(const std::vector<Hash>& hashes) {
   for (const Hash& hash : hashes) {
     const auto it = entries_.find(hash);
     if (it == entries_.end()) continue;
+    files_.ForgetParts(hash);
     if (it->second.blob != nullptr) {
       bytes_ -= it->second.bytes;
       ages_.erase(it->second.age);

@@ -31,6 +31,9 @@ class BlobStore {
   bool Has(const Hash& hash) const;
   // Null where it is unknown, or cannot be read back: then `why` says so, where it is asked for.
   BlobPtr Get(const Hash& hash, Status* why = nullptr);
+  // Of an input on disk it reads no more than that. kNotFound: the blob is unknown; kRefused: it has no such
+  // part; else it cannot be read back.
+  Result<BlobPtr> GetPart(const Hash& hash, const proto::BlobPart& part);
   void Drop(const std::vector<Hash>& hashes);
   void MarkDurable(const std::vector<Hash>& hashes, std::uint64_t ticket);
   bool Durable(const Hash& hash) const;

@@ -29,6 +29,13 @@ TaskBuilder& TaskBuilder::ReadHash(const std::string& as, const std::string& has
   return *this;
 }
 
+TaskBuilder& TaskBuilder::ReadPart(const std::string& as, const std::string& hash,
+                                   const proto::BlobPart& part) {
+  ReadHash(as, hash);
+  *task_->mutable_inputs(task_->inputs_size() - 1)->mutable_part() = part;
+  return *this;
+}
+
 TaskBuilder& TaskBuilder::ReadPartial(const std::string& as, std::int64_t task) {
   proto::InputRef& input = *task_->add_inputs();
   input.set_name(as);

@@ -47,6 +47,8 @@ class TaskBuilder {
   TaskBuilder& Read(const std::string& as, const std::string& blob, BlobRows rows = {});
   // A blob by its content hash.
   TaskBuilder& ReadHash(const std::string& as, const std::string& hash, BlobRows rows = {});
+  // No more of it than that: a large blob need not go anywhere as a whole.
+  TaskBuilder& ReadPart(const std::string& as, const std::string& hash, const proto::BlobPart& part);
   // The partial of an earlier task of the round.
   TaskBuilder& ReadPartial(const std::string& as, std::int64_t task);
 

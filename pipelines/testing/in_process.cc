@@ -1,5 +1,8 @@
 #include "pipelines/testing/in_process.h"
 
+#include <stdexcept>
+
+#include "schema/blob_part.h"
 #include "schema/kinds/kind.h"
 
 namespace cairn {
@@ -12,6 +15,11 @@ BlobPtr MapInputs::Get(const std::string& name) const {
 
 BlobPtr InputOf(const proto::InputRef& ref, const BlobsByHash& store, const std::vector<BlobPtr>& partials) {
   const BlobPtr whole = ref.has_task() ? partials.at(ref.task()) : store.at(ref.blob());
+  if (ref.has_part()) {
+    const Result<BlobPtr> part = CutPart(*whole, ref.part());
+    if (!part.ok()) throw std::runtime_error(part.status().message());
+    return part.value();
+  }
   if (ref.row_count() == 0) return whole;
   Blob rows;
   for (const auto& [name, array] : whole->fields())

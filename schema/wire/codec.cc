@@ -142,7 +142,7 @@ NamedBlob NameBlob(BlobPtr blob) {
 BlobMeta MetaOf(const NamedBlob& named) { return cairn::MetaOf(named.hash, *named.blob); }
 
 Result<NamedBlob> DecodeBlob(const BlobMeta& meta, std::span<const std::span<const std::byte>> frames,
-                             const std::shared_ptr<const void>& owner) {
+                             const std::shared_ptr<const void>& owner, bool forms_too) {
   CAIRN_DEMAND(frames.size() == static_cast<std::size_t>(meta.arrays_size()), "a frame an array");
   const Result<Hash> hash = Hash::FromBinary(meta.hash());
   if (!hash.ok()) return Corrupt(hash.status().message());
@@ -154,8 +154,10 @@ Result<NamedBlob> DecodeBlob(const BlobMeta& meta, std::span<const std::span<con
     if (a.type() > static_cast<std::uint32_t>(DType::kText)) return Corrupt("an array of an unknown type");
     const auto type = static_cast<DType>(a.type());
     const Shape shape(a.shape().begin(), a.shape().end());
-    Result<Array> array = owner == nullptr ? Array::FromBytes(type, a.item_bytes(), shape, frames[i])
-                                           : Array::Over(type, a.item_bytes(), shape, frames[i], owner);
+    if (a.form_alone() && !(forms_too && frames[i].empty())) return Corrupt("an array without its elements");
+    Result<Array> array = a.form_alone()     ? Array::FormAlone(type, a.item_bytes(), shape)
+                          : owner == nullptr ? Array::FromBytes(type, a.item_bytes(), shape, frames[i])
+                                             : Array::Over(type, a.item_bytes(), shape, frames[i], owner);
     if (!array.ok()) return Corrupt("'" + a.name() + "': " + array.status().message());
     fields.emplace(a.name(), std::move(array).value());
   }
@@ -190,10 +192,11 @@ Result<Message> Decode(std::span<const std::span<const std::byte>> frames, const
     return Status(Code::kVersion, "a message of an unknown kind: the peer's version differs");
   }
   std::span<const std::span<const std::byte>> rest = frames.subspan(1);
+  const bool forms_too = !message.envelope.blob().part().but().empty();
   for (const BlobMeta* meta : ListMetas(message.envelope)) {
     const auto count = static_cast<std::size_t>(meta->arrays_size());
     if (count > rest.size()) return Corrupt("fewer frames than arrays announced");
-    Result<NamedBlob> blob = DecodeBlob(*meta, rest.first(count));
+    Result<NamedBlob> blob = DecodeBlob(*meta, rest.first(count), nullptr, forms_too);
     if (!blob.ok()) return blob.status();
     message.blobs.push_back(std::move(blob).value());
     rest = rest.subspan(count);

@@ -17,7 +17,7 @@
 namespace cairn::wire {
 
 // Hello.protocol, Submit.protocol. Raised when an old peer could no longer make sense of what a new one says.
-inline constexpr std::uint32_t kProtocol = 2;
+inline constexpr std::uint32_t kProtocol = 3;
 
 // A blob with its content hash, so that nobody hashes the same bytes twice.
 struct NamedBlob {
@@ -29,9 +29,9 @@ NamedBlob NameBlob(BlobPtr blob);  // costs one pass over the bytes
 // A blob apart: what is announced of it, and the bytes of its arrays.
 BlobMeta MetaOf(const NamedBlob& named);
 // Of as many frames as `meta` has arrays; kCorrupt as Decode below. Copies, or, where `owner` is not null,
-// shares the bytes, as Array::Over says.
+// shares the bytes, as Array::Over says. `forms_too`: arrays may come without their elements.
 Result<NamedBlob> DecodeBlob(const BlobMeta& meta, std::span<const std::span<const std::byte>> frames,
-                             const std::shared_ptr<const void>& owner = nullptr);
+                             const std::shared_ptr<const void>& owner = nullptr, bool forms_too = false);
 
 // What is sent and received. Encode writes the envelope's BlobMetas from `blobs`; those of a received one
 // agree.

@@ -4,6 +4,8 @@
 
 #include <cstring>
 
+#include "schema/blob_part.h"
+
 namespace cairn::wire {
 namespace {
 
@@ -63,6 +65,41 @@ TEST(Codec, RoundTripKeepsEnvelopeAndBlobs) {
     EXPECT_EQ(back.value().blobs[i].hash, TwoBlobs().blobs[i].hash);
     EXPECT_EQ(back.value().blobs[i].blob->fields(), TwoBlobs().blobs[i].blob->fields());
   }
+}
+
+Message Head() {
+  Message message;
+  message.envelope.mutable_blob()->set_of(SmallBlob(1).hash.Binary());
+  *message.envelope.mutable_blob()->mutable_part() = HeadPart("x_m");
+  message.blobs = {NameBlob(CutPart(*SmallBlob(1).blob, HeadPart("x_m")).value())};
+  return message;
+}
+
+TEST(Codec, OfAHeadAnArrayComesWithoutItsElements) {
+  const RawFrames raw = Raw(Encode(Head()));
+  const Result<Message> back = DecodeRaw(raw);
+  ASSERT_TRUE(back.ok()) << back.status().message();
+  EXPECT_EQ(back.value().blobs[0].blob->fields(), Head().blobs[0].blob->fields());
+  EXPECT_TRUE(back.value().blobs[0].blob->at("a/x_m").is_form_alone());
+  RawFrames more = raw;
+  more[1].resize(24);
+  EXPECT_EQ(DecodeRaw(more).status().code(), Code::kCorrupt) << "and with them";
+}
+
+TEST(Codec, NothingButAHeadHasArraysWithoutTheirElements) {
+  Message done;
+  done.envelope.mutable_done();
+  done.blobs = Head().blobs;
+  EXPECT_EQ(DecodeRaw(Raw(Encode(done))).status().code(), Code::kCorrupt);
+  for (const proto::BlobPart& part : {proto::BlobPart(), RowsPart("a/x_m", 0, 3)}) {
+    Message data = Head();
+    *data.envelope.mutable_blob()->mutable_part() = part;
+    EXPECT_EQ(DecodeRaw(Raw(Encode(data))).status().code(), Code::kCorrupt);
+  }
+  EXPECT_EQ(DecodeRaw(Tampered([](BlobMeta& meta) { meta.mutable_arrays(0)->set_form_alone(true); }))
+                .status()
+                .code(),
+            Code::kCorrupt);
 }
 
 TEST(Codec, DecodedArraysAreAligned) {

@@ -50,7 +50,7 @@ proto::Checkpoint GoodCheckpoint(bool with_step) {
 void GoOn(coordinator::Core& core) {
   using namespace coordinator;
   WorkerHello hello{"w", {}};
-  hello.hello.set_protocol(2);
+  hello.hello.set_protocol(3);
   hello.hello.set_slots(4);
   double now_s = 1;
   std::vector<Action> actions = core.Handle(hello, now_s);

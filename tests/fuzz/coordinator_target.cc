@@ -190,7 +190,7 @@ class Session {
     std::string peer = Peer();
     switch (op % 13) {
       case 0:
-        envelope.mutable_hello()->set_protocol(2);
+        envelope.mutable_hello()->set_protocol(3);
         envelope.mutable_hello()->set_slots(2);
         break;
       case 1:
@@ -221,6 +221,7 @@ class Session {
         break;
       case 6:
         envelope.mutable_fetch()->set_hash(TextBlob("the log").hash.Binary());
+        if (source_.Below(2) == 0) Scramble(envelope.mutable_fetch()->mutable_part(), &source_);
         break;
       case 7:
         envelope.mutable_have()->add_hashes(TextBlob("the log").hash.Binary());

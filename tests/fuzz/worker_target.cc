@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "pipelines/testing/in_process.h"
+#include "schema/blob_part.h"
 #include "tests/fuzz/byte_source.h"
 #include "tests/fuzz/frames.h"
 #include "tests/fuzz/scramble.h"
@@ -99,7 +100,7 @@ class Script : public worker::Transport {
       ++answered_;
       ++all_answered_;
     }
-    if (message.envelope.has_fetch()) Answer(message.envelope.fetch().hash());
+    if (message.envelope.has_fetch()) Answer(message.envelope.fetch());
     return true;
   }
   void Wake() override {
@@ -117,11 +118,18 @@ class Script : public worker::Transport {
     woken_ = false;
     if (!more) stop_ = true;
   }
-  void Answer(const std::string& hash) {
+  // In place of a part that is none it sends the whole.
+  void Answer(const wire::Fetch& fetch) {
     wire::Message message;
-    const auto it = plan().blobs.find(hash);
+    const auto it = plan().blobs.find(fetch.hash());
     if (it == plan().blobs.end()) {
-      message.envelope.mutable_missing()->set_hash(hash);
+      message.envelope.mutable_missing()->set_hash(fetch.hash());
+      if (fetch.has_part()) *message.envelope.mutable_missing()->mutable_part() = fetch.part();
+    } else if (fetch.has_part()) {
+      const Result<BlobPtr> part = CutPart(*it->second.blob, fetch.part());
+      message.envelope.mutable_blob()->set_of(fetch.hash());
+      *message.envelope.mutable_blob()->mutable_part() = fetch.part();
+      message.blobs = {part.ok() ? wire::NameBlob(part.value()) : it->second};
     } else {
       message.envelope.mutable_blob();
       message.blobs = {it->second};
@@ -176,6 +184,7 @@ class Script : public worker::Transport {
         break;
       case 6:
         message.envelope.mutable_blob();
+        Scramble(message.envelope.mutable_blob(), &source_);
         message.blobs = {plan().blobs.begin()->second};
         break;
       case 7:

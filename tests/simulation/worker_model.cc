@@ -21,7 +21,7 @@ void WorkerModel::Start() {
 
 void WorkerModel::SayHello() {
   wire::Hello hello;
-  hello.set_protocol(2);
+  hello.set_protocol(3);
   hello.mutable_build()->set_version(traits_.build);
   hello.set_host(name_);
   hello.set_slots(traits_.slots);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pipelines/pipeline.h"
+#include "schema/blob_part.h"
 #include "worker/testing/fake_transport.h"
 #include "worker/worker.h"
 
@@ -81,8 +82,24 @@ class Rig {
       wire::Message message = transport.Take();
       if (!message.envelope.has_fetch()) return message;
       ++fetches;
-      Answer(Hash::FromBinary(message.envelope.fetch().hash()).value());
+      Answer(message.envelope.fetch());
     }
+  }
+  void Answer(const wire::Fetch& fetch) {
+    const Hash hash = Hash::FromBinary(fetch.hash()).value();
+    const auto it = store.find(hash);
+    if (!fetch.has_part() || it == store.end()) return Answer(hash);
+    wire::Message reply;
+    if (const Result<BlobPtr> part = CutPart(*it->second, fetch.part()); part.ok()) {
+      reply.envelope.mutable_blob()->set_of(fetch.hash());
+      *reply.envelope.mutable_blob()->mutable_part() = fetch.part();
+      reply.blobs = {wire::NameBlob(part.value())};
+    } else {
+      reply.envelope.mutable_missing()->set_hash(fetch.hash());
+      *reply.envelope.mutable_missing()->mutable_part() = fetch.part();
+      reply.envelope.mutable_missing()->set_why(part.status().message());
+    }
+    Give(reply);
   }
   void Answer(const Hash& hash) {
     wire::Message reply;

@@ -47,7 +47,7 @@ class CoreFixture {
   void Join(const std::string& peer, std::uint32_t slots = 1, const std::string& version = "1",
             std::uint64_t process = 0) {
     wire::Hello hello;
-    hello.set_protocol(2);
+    hello.set_protocol(3);
     *hello.mutable_build() = TestBuild(version);
     hello.set_host("host-" + peer);
     hello.set_slots(slots);

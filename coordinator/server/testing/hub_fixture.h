@@ -66,7 +66,7 @@ class FakeTransport : public Transport {
   void ComeWorker(const std::string& peer, const std::string& user = "", std::int64_t pid = 0,
                   std::uint64_t process = 0) {
     wire::Message hello;
-    hello.envelope.mutable_hello()->set_protocol(2);
+    hello.envelope.mutable_hello()->set_protocol(3);
     hello.envelope.mutable_hello()->set_slots(2);
     hello.envelope.mutable_hello()->set_host("here");
     hello.envelope.mutable_hello()->set_pid(pid);
