@@ -12,7 +12,6 @@
 namespace cairn {
 namespace {
 
-constexpr std::size_t kMostChecked = 500;  // of a sensor
 constexpr double kFarthestSigmas = 6;
 constexpr double kNegligible = 1e-9;
 // The probabilities of an obstacle that maps may have whose cells are all alike.
@@ -35,40 +34,32 @@ struct CheckedReading {
 };
 
 // The cells up to where they may matter.
-CheckedReading ReadingOf(const RangeScans& scans, std::size_t at, const GridBox& box,
+CheckedReading ReadingOf(const TakenReading& taken, double opening_rad, const GridBox& box,
                          std::span<const double> probability, const ReadingModel& model) {
-  const std::size_t beams = scans.beams.size();
-  const double range_m = scans.range_m.As<double>()[at];
-  const bool echo = range_m <= model.z_max_m;  // false for NaN
-  const Pose from = scans.BeamPose(at / beams, at % beams);
+  const bool echo = taken.range_m <= model.z_max_m;  // false for NaN
+  const Pose& from = taken.from;
   CheckedReading reading;
-  reading.z_m = echo ? range_m : model.z_max_m;
+  reading.z_m = echo ? taken.range_m : model.z_max_m;
   if (echo)
-    reading.ends_beyond = !box.Holds(box.ColumnOf(from.x_m + range_m * std::cos(from.heading_rad)),
-                                     box.RowOf(from.y_m + range_m * std::sin(from.heading_rad)));
+    reading.ends_beyond = !box.Holds(box.ColumnOf(from.x_m + taken.range_m * std::cos(from.heading_rad)),
+                                     box.RowOf(from.y_m + taken.range_m * std::sin(from.heading_rad)));
   std::vector<BeamCell> cells;
-  BeamCells(box, from, scans.opening_rad, reading.z_m + kFarthestSigmas * kSigmas.back() * model.sigma_m,
-            &cells);
+  BeamCells(box, from, opening_rad, reading.z_m + kFarthestSigmas * kSigmas.back() * model.sigma_m, &cells);
   for (const BeamCell& cell : cells)
     reading.cells.push_back({cell.distance_m, probability[static_cast<std::size_t>(cell.cell)]});
   return reading;
 }
 
-std::vector<CheckedReading> ReadingsOf(const RangeScans& scans, const GridBox& box,
-                                       std::span<const double> probability, const ReadingModel& model) {
-  std::vector<std::size_t> all;
+// Calls `visit` with the place of each reading that could be taken.
+template <class Visit>
+void ForEachReading(const RangeScans& scans, const ReadingModel& model, const Visit& visit) {
   const auto range = scans.range_m.As<double>();
   const std::size_t beams = scans.beams.size();
   for (std::size_t s = 0; s < scans.scans(); ++s) {
     if (scans.checked[s] == 0) continue;
     for (std::size_t at = s * beams; at < (s + 1) * beams; ++at)
-      if (model.no_echo || range[at] <= model.z_max_m) all.push_back(at);
+      if (model.no_echo || range[at] <= model.z_max_m) visit(at);
   }
-  const std::size_t count = std::min(all.size(), kMostChecked);
-  std::vector<CheckedReading> readings;
-  for (std::size_t i = 0; i < count; ++i)
-    readings.push_back(ReadingOf(scans, all[i * all.size() / count], box, probability, model));
-  return readings;
 }
 
 double SumOfLogs(const std::vector<CheckedReading>& readings, const ReadingModel& model) {
@@ -170,13 +161,43 @@ void CheckedReadings::Add(const CheckedReadings& other) {
   ignorant += other.ignorant;
 }
 
-CheckedReadings Check(const RangeScans& scans, const GridBox& box, std::span<const double> probability,
-                      const ReadingModel& model) {
-  std::vector<CheckedReading> readings = ReadingsOf(scans, box, probability, model);
+std::int64_t CountReadings(const RangeScans& part, const ReadingModel& model) {
+  std::int64_t count = 0;
+  ForEachReading(part, model, [&count](std::size_t) { ++count; });
+  return count;
+}
+
+std::vector<TakenReading> TakeReadings(const RangeScans& part, const ReadingModel& model, std::int64_t before,
+                                       std::int64_t all) {
+  const std::size_t count = std::min(static_cast<std::size_t>(all), kMostChecked);
+  const auto place = [&](std::size_t i) { return i * static_cast<std::size_t>(all) / count; };
+  std::size_t next = 0, number = static_cast<std::size_t>(before);
+  while (next < count && place(next) < number) ++next;
+  std::vector<TakenReading> taken;
+  const std::size_t beams = part.beams.size();
+  ForEachReading(part, model, [&](std::size_t at) {
+    if (next == count || place(next) != number++) return;
+    taken.push_back({part.BeamPose(at / beams, at % beams), part.range_m.As<double>()[at]});
+    ++next;
+  });
+  return taken;
+}
+
+CheckedReadings Check(std::span<const TakenReading> taken, double opening_rad, const GridBox& box,
+                      std::span<const double> probability, const ReadingModel& model) {
+  std::vector<CheckedReading> readings;
+  for (const TakenReading& of : taken)
+    readings.push_back(ReadingOf(of, opening_rad, box, probability, model));
   if (readings.empty()) return {};
   const Alike alike = BestAlike(readings, model);
   Decide(alike.q, &readings);
   return {static_cast<std::int64_t>(readings.size()), BestSumOfLogs(readings, model), alike.sum};
+}
+
+CheckedReadings Check(const RangeScans& scans, const GridBox& box, std::span<const double> probability,
+                      const ReadingModel& model) {
+  return Check(TakeReadings(scans, model, 0, CountReadings(scans, model)), scans.opening_rad, box,
+               probability, model);
 }
 
 void PutCheck(const CheckedReadings& checked, Blob* result) {

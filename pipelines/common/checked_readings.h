@@ -50,6 +50,20 @@ struct CheckedReadings {
 CheckedReadings Check(const RangeScans& scans, const GridBox& box, std::span<const double> probability,
                       const ReadingModel& model);
 
+// In steps, where scans are read part by part: how many readings of a part could be taken; those that are,
+// where `before` of `all` lie in parts before; and the check with what was taken of all parts, in their
+// order.
+struct TakenReading {
+  Pose from;  // where the beam begins and points
+  double range_m = 0;
+};
+inline constexpr std::size_t kMostChecked = 500;  // of a sensor
+std::int64_t CountReadings(const RangeScans& part, const ReadingModel& model);
+std::vector<TakenReading> TakeReadings(const RangeScans& part, const ReadingModel& model, std::int64_t before,
+                                       std::int64_t all);
+CheckedReadings Check(std::span<const TakenReading> taken, double opening_rad, const GridBox& box,
+                      std::span<const double> probability, const ReadingModel& model);
+
 // `fit/` of a grid_map (schema/FORMAT.md); nothing where no reading was checked.
 void PutCheck(const CheckedReadings& checked, Blob* result);
 

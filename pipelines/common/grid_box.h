@@ -20,6 +20,11 @@ class Extent {
     y0_ = std::min(y0_, y_m);
     y1_ = std::max(y1_, y_m);
   }
+  void Add(const Extent& other) {
+    if (other.empty()) return;
+    Add(other.x0_, other.y0_);
+    Add(other.x1_, other.y1_);
+  }
   void Grow(double margin_m);
   bool empty() const { return x1_ < x0_; }
   bool Holds(double x_m, double y_m) const { return x_m >= x0_ && x_m <= x1_ && y_m >= y0_ && y_m <= y1_; }

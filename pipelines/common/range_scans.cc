@@ -63,7 +63,8 @@ void CheckRanges(const RangeScans& sensor) {
   const std::size_t beams = sensor.beams.size();
   for (std::size_t r = 0; r < range.size(); ++r) {
     if (std::isnan(range[r]) || (range[r] >= 0 && range[r] <= sensor.max_range_m)) continue;
-    Refuse(sensor.name, r / beams, sensor.time_s[r / beams],
+    const std::size_t s = r / beams;
+    Refuse(sensor.name, sensor.row.empty() ? s : static_cast<std::size_t>(sensor.row[s]), sensor.time_s[s],
            "beam " + std::to_string(r % beams) + " measures " + std::to_string(range[r]) +
                " m, which is negative or beyond max_range_m");
   }
@@ -132,7 +133,8 @@ std::size_t PlaceScans(const PoseTrack& track, bool skip, RangeScans* sensor) {
     sensor->pose.push_back(*pose);
   }
   const std::size_t dropped = sensor->scans() - times.size();
-  if (dropped > 0) sensor->range_m = RowsOf(sensor->range_m, sensor->row, sensor->beams.size());
+  if (dropped > 0 && !sensor->range_m.is_form_alone())
+    sensor->range_m = RowsOf(sensor->range_m, sensor->row, sensor->beams.size());
   sensor->time_s = std::move(times);
   sensor->turret_rad = std::move(turret);
   return dropped;
@@ -149,16 +151,11 @@ RangeScans SensorOf(const kinds::Log::RangeSensor& of, const std::string& name) 
   sensor.time_s = of.time_s.vector();
   if (of.turret_rad) sensor.turret_rad = of.turret_rad.vector();
   sensor.range_m = of.range_m.array();
-  CheckRanges(sensor);
+  if (!sensor.range_m.is_form_alone()) CheckRanges(sensor);
   return sensor;
 }
 
 void CheckHandedOver(const RangeScans& sensor, const Blob& scans) {
-  RequireWithin("the number of beams", static_cast<std::int64_t>(sensor.beams.size()), 1,
-                std::numeric_limits<std::int32_t>::max());
-  RequirePoses("a beam's pose", sensor.beams);
-  RequireWithin("opening_rad", sensor.opening_rad, 0.0, std::nextafter(std::numbers::pi, 0.0));
-  RequireWithin("max_range_m", sensor.max_range_m, 0.0, kFar_m);
   RequireSize("pose", sensor.pose.size(), sensor.scans());
   RequirePoses("a scan's pose", sensor.pose);
   RequireSize("held_out", sensor.held_out.size(), sensor.scans());
@@ -169,10 +166,11 @@ void CheckHandedOver(const RangeScans& sensor, const Blob& scans) {
   RequireAllWithin("turret_rad", sensor.turret_rad, -1e9, 1e9);
 }
 
-void CheckRows(const RangeScans& sensor, const Array& range_m) {
+void CheckRows(const RangeScans& sensor, const Array& range_m, std::int64_t first_row) {
   RequireSize("the shape of range_m", range_m.shape().size(), 2);
   RequireSize("a row of range_m", static_cast<std::size_t>(range_m.shape()[1]), sensor.beams.size());
-  RequireAllWithin("row", sensor.row, std::int64_t{0}, range_m.shape()[0] - 1);
+  RequireWithin("the first row", first_row, 0, std::int64_t{1} << 60);
+  RequireAllWithin("row", sensor.row, first_row, first_row + range_m.shape()[0] - 1);
 }
 
 // Scans that are laid over each other all the same look like a map.
@@ -208,9 +206,8 @@ void AddEnds(const RangeScans& sensor, Extent* extent) {
 
 // A result tells where the robot of its own log was; the times of another log's scans mean nothing to it. A
 // table of poses does not say of which log it is.
-void CheckPosesAreOf(const Blob& log, const Blob& poses) {
-  if (!poses.Has("log_hash")) return;
-  const std::string made_from = poses.Text("log_hash"), given = log.SourceHash().Hex();
+void CheckPosesAreOf(const Hash& source, const Blob& poses) {
+  const std::string made_from = poses.Text("log_hash"), given = source.Hex();
   if (made_from == given) return;
   throw InputError(
       "the input 'poses' was made from another log: the content of that one, truth and provenance aside, "
@@ -243,7 +240,12 @@ void AddScansOf(const Blob& log, const Blob* poses, std::size_t robot, const std
 }  // namespace
 
 PosedScans ReadRangeScans(const Blob& log, const Blob* poses, const GridOptions& options) {
-  if (poses != nullptr) CheckPosesAreOf(log, *poses);
+  const bool says = poses != nullptr && poses->Has("log_hash");
+  return ReadScanHeads(log, says ? log.SourceHash() : Hash{}, poses, options);
+}
+
+PosedScans ReadScanHeads(const Blob& log, const Hash& source, const Blob* poses, const GridOptions& options) {
+  if (poses != nullptr && poses->Has("log_hash")) CheckPosesAreOf(source, *poses);
   const std::vector<std::string> groups = Chosen(options);
   const std::vector<std::uint8_t> robots = ChosenRobots(options, log.Texts("robots"));
   PosedScans scans;
@@ -264,30 +266,50 @@ double MostCells(const GridOptions& options, double bytes_per_cell) {
   return static_cast<double>(options.memory_mb) * 1048576 / bytes_per_cell;
 }
 
-GridBox GridOf(const PosedScans& scans, const GridOptions& options, double bytes_per_cell) {
+Extent FrameOf(const PosedScans& scans, const GridOptions& options) {
   CheckOneFrame(scans);
-  Extent extent;
-  if (!options.box_m.empty()) extent = ParseExtent("box_m", options.box_m);
+  Extent frame;
+  if (!options.box_m.empty()) frame = ParseExtent("box_m", options.box_m);
   for (const RangeScans& sensor : scans.sensors) {
     for (std::size_t s = 0; s < sensor.scans(); ++s) {
       const Pose& pose = sensor.pose[s];
       if (options.box_m.empty()) {
-        extent.Add(pose.x_m, pose.y_m);
-      } else if (!extent.Holds(pose.x_m, pose.y_m)) {
+        frame.Add(pose.x_m, pose.y_m);
+      } else if (!frame.Holds(pose.x_m, pose.y_m)) {
         Refuse(sensor.name, s, sensor.time_s[s],
                "the robot is at (" + std::to_string(pose.x_m) + ", " + std::to_string(pose.y_m) +
                    ") m, outside of box_m: the box is too small for the trajectory");
       }
     }
-    if (options.box_m.empty()) AddEnds(sensor, &extent);
   }
-  if (options.box_m.empty()) extent.Grow(kMarginM);
-  return extent.ToGrid(options.cell_m, MostCells(options, bytes_per_cell));
+  return frame;
 }
 
-void PutScanPoses(const PosedScans& scans, const Blob& log, Blob* result) {
+Extent EndsOf(const RangeScans& scans) {
+  Extent ends;
+  AddEnds(scans, &ends);
+  return ends;
+}
+
+GridBox GridOf(Extent frame, const Extent& ends, const GridOptions& options, double bytes_per_cell) {
+  if (options.box_m.empty()) {
+    frame.Add(ends);
+    frame.Grow(kMarginM);
+  }
+  return frame.ToGrid(options.cell_m, MostCells(options, bytes_per_cell));
+}
+
+GridBox GridOf(const PosedScans& scans, const GridOptions& options, double bytes_per_cell) {
+  const Extent frame = FrameOf(scans, options);
+  Extent ends;
+  for (const RangeScans& sensor : scans.sensors)
+    if (options.box_m.empty()) AddEnds(sensor, &ends);
+  return GridOf(frame, ends, options, bytes_per_cell);
+}
+
+void PutScanPoses(const PosedScans& scans, const Blob& log, const Hash& source, Blob* result) {
   result->Put("robots", log.at("robots"));
-  result->Put("log_hash", Array::Text(log.SourceHash().Hex()));
+  result->Put("log_hash", Array::Text(source.Hex()));
   for (const RangeScans& sensor : scans.sensors) {
     kinds::GridMap::Sensor of;
     of.Set(sensor.time_s, sensor.pose);
@@ -317,22 +339,34 @@ Blob ScansBlob(const RangeScans& sensor) {
   return blob;
 }
 
-RangeScans ScansOf(const Blob& sensor, const Blob& scans, const Blob& log) {
+RangeScans SensorIn(const Blob& sensor) {
   RangeScans result;
   result.name = sensor.Text("name");
   result.beams = RowsIn<Pose>(sensor, "beam/");
-  result.pose = RowsIn<Pose>(scans, "pose/");
   result.opening_rad = sensor.Scalar<double>("opening_rad");
   result.max_range_m = sensor.Scalar<double>("max_range_m");
+  RequireWithin("the number of beams", static_cast<std::int64_t>(result.beams.size()), 1,
+                std::numeric_limits<std::int32_t>::max());
+  RequirePoses("a beam's pose", result.beams);
+  RequireWithin("opening_rad", result.opening_rad, 0.0, std::nextafter(std::numbers::pi, 0.0));
+  RequireWithin("max_range_m", result.max_range_m, 0.0, kFar_m);
+  return result;
+}
+
+RangeScans ScansOf(const Blob& sensor, const Blob& scans, const Blob& log, std::int64_t first_row) {
+  RangeScans result = SensorIn(sensor);
+  result.pose = RowsIn<Pose>(scans, "pose/");
   result.time_s = Column<double>::In(scans, "time_s").vector();
   result.held_out = Column<std::uint8_t>::In(scans, "held_out").vector();
   result.checked = Column<std::uint8_t>::In(scans, "checked").vector();
   if (const auto turret = Column<double>::In(scans, "turret_rad")) result.turret_rad = turret.vector();
   result.row = Column<std::int64_t>::In(scans, "row").vector();
   CheckHandedOver(result, scans);
-  const Array& range_m = log.at(result.name + "range_m");
-  CheckRows(result, range_m);
-  result.range_m = RowsOf(range_m, result.row, result.beams.size());
+  const Array& range_m = log.at(result.name + kRanges);
+  CheckRows(result, range_m, first_row);
+  std::vector<std::int64_t> rows = result.row;
+  for (std::int64_t& row : rows) row -= first_row;
+  result.range_m = RowsOf(range_m, rows, result.beams.size());
   CheckRanges(result);
   return result;
 }

@@ -92,6 +92,10 @@ struct PosedScans {
   std::size_t unposed = 0;  // scans left out
 };
 PosedScans ReadRangeScans(const Blob& log, const Blob* poses, const GridOptions& options);
+// The same of a log's head, which has no ranges, only their shape (Inputs::GetHead, kRanges): tasks read
+// these, and check them (ScansOf). `source`: the log's SourceHash.
+PosedScans ReadScanHeads(const Blob& head, const Hash& source, const Blob* poses, const GridOptions& options);
+inline constexpr char kRanges[] = "range_m";
 
 // That memory_mb allows.
 double MostCells(const GridOptions& options, double bytes_per_cell);
@@ -102,17 +106,26 @@ double MostCells(const GridOptions& options, double bytes_per_cell);
 // Throws InputError where box_m does not hold all poses.
 // Throws InputError where the grid would need more than memory_mb.
 GridBox GridOf(const PosedScans& scans, const GridOptions& options, double bytes_per_cell);
+// In steps, where ranges are read elsewhere: where the robots were, or box_m, which holds that; all that
+// beams met of scans that are not held out; and the grid of both.
+Extent FrameOf(const PosedScans& scans, const GridOptions& options);
+Extent EndsOf(const RangeScans& scans);
+GridBox GridOf(Extent frame, const Extent& ends, const GridOptions& options, double bytes_per_cell);
 
 // What a grid_map says of its making: robots and log_hash, and NAME/time_s, x_m, y_m, heading_rad (of the
-// robot at each scan), held_out.
-void PutScanPoses(const PosedScans& scans, const Blob& log, Blob* result);
+// robot at each scan), held_out. `log` may be a head, of which `source` is the log's SourceHash.
+void PutScanPoses(const PosedScans& scans, const Blob& log, const Hash& source, Blob* result);
+inline void PutScanPoses(const PosedScans& scans, const Blob& log, Blob* result) {
+  PutScanPoses(scans, log, log.SourceHash(), result);
+}
 
 // For tasks: a sensor without its scans; what is known of its scans but their ranges, as arrays of S rows, so
 // that a task may take some; and the scans of these, whose ranges are read from the log itself, which is not
-// copied.
+// copied, or from what has its rows from `first_row` on.
 // ScansOf throws InputError where these do not fit each other, or name rows that the log lacks.
 Blob SensorBlob(const RangeScans& sensor);
 Blob ScansBlob(const RangeScans& sensor);
-RangeScans ScansOf(const Blob& sensor, const Blob& scans, const Blob& log);
+RangeScans SensorIn(const Blob& sensor);  // without scans
+RangeScans ScansOf(const Blob& sensor, const Blob& scans, const Blob& log, std::int64_t first_row = 0);
 
 }  // namespace cairn

@@ -61,7 +61,7 @@ TEST(CountCones, PartsAddUpToTheWholeAndHeldOutScansSayNothing) {
   Untroubled progress;
   Totals sum{std::vector<std::int64_t>(600), std::vector<std::int64_t>(600)};
   for (std::size_t s = 0; s < 3; ++s)
-    AddTo(kGrid, ToBlob(CountCones(Part(scans, s, 1), kGrid, {0.1, true}, true, progress)), &sum);
+    AddTo(kGrid, ToBlob(CountCones(ScansFrom(scans, s, 1), kGrid, {0.1, true}, true, progress)), &sum);
   EXPECT_EQ(sum.free, whole.free);
   EXPECT_EQ(sum.occupied, whole.occupied);
   scans.held_out.assign(3, 1);

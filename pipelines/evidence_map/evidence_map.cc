@@ -8,76 +8,81 @@
 
 #include "pipelines/common/checked_readings.h"
 #include "pipelines/common/handed_over.h"
-#include "pipelines/common/task_builder.h"
+#include "pipelines/common/state_scalars.h"
 #include "pipelines/evidence_map/cone_counts.h"
 #include "pipelines/evidence_map/log_odds.h"
+#include "pipelines/evidence_map/parts.h"
 #include "pipelines/evidence_map/ray_counts.h"
 #include "schema/kinds/grid_map.h"
 
 namespace cairn::evidence_map {
 namespace {
 
-// Each task brings home a map, so there are no more of a sensor than some, but for logs so long that tasks
-// would take long: from 10 ms to a quarter of a second of a core.
-constexpr double kTasks = 12, kLeastCells = 1 << 23, kMostCells = 1 << 28;
-// A slice begins at such a scan alone: there its ranges, of eight bytes, are aligned however many beams there
-// are, and need no copy.
-constexpr std::size_t kScansTogether = 8;
+enum class Phase : std::uint8_t { kRanges, kCounts };
+
+// What the rounds go on from.
+struct Standing {
+  Phase phase = Phase::kRanges;
+  std::int64_t sensors = 0, scans = 0, unposed = 0;
+  double x0_m = 0, y0_m = 0, x1_m = 0, y1_m = 0;  // where the robots were, or box_m
+  double sonar_m = -1;                            // its spread, as the log says; negative: it does not
+
+  static void Fields(const auto& field) {
+    field("phase", &Standing::phase);
+    field("sensors", &Standing::sensors);
+    field("scans", &Standing::scans);
+    field("unposed", &Standing::unposed);
+    field("x0_m", &Standing::x0_m);
+    field("y0_m", &Standing::y0_m);
+    field("x1_m", &Standing::x1_m);
+    field("y1_m", &Standing::y1_m);
+    field("sonar_m", &Standing::sonar_m);
+  }
+};
+
+constexpr std::int64_t kMostSensors = 10'000, kMostScans = std::int64_t{1} << 40;
+constexpr const char* kPartsBlob = "parts";
+
+Standing StandingIn(const State& state) {
+  const auto standing = ScalarsIn<Standing>(state);
+  RequireWithin("sensors", standing.sensors, 1, kMostSensors);
+  RequireWithin("scans", standing.scans, 0, kMostScans);
+  RequireWithin("unposed", standing.unposed, 0, kMostScans);
+  for (const double at : {standing.x0_m, standing.y0_m, standing.x1_m, standing.y1_m})
+    RequireWithin("where the robots were", at, -kFar_m, kFar_m);
+  RequireWithin("sonar_m", standing.sonar_m, -1.0, kFar_m);
+  return standing;
+}
+
+// A task of the first round reads so many bytes of ranges, or a twelfth of them. Each of the second brings
+// home a map, so there are no more of a sensor than some, but for logs so long that tasks would take long:
+// from 10 ms to a quarter of a second of a core.
+constexpr double kTasks = 12, kLeastBytes = 8 << 20, kMostBytes = 64 << 20;
+constexpr double kLeastCells = 1 << 23, kMostCells = 1 << 28;
 // Where maps of both kinds of sensors, of the scans that the map is checked with, and the result are at hand.
 constexpr double kBytesPerCell = 72;
 
-// In a task's partial, the counts of those scans that the map is checked with.
+// In a task's partial, the counts of those scans that the map is checked with, and the readings of them that
+// it is.
 constexpr const char* kCheckedCounts = "checked/";
+constexpr const char* kReadings = "reading/";
 
-// Microseconds of a core: a cell that a task goes over, by rays and by cones; one of its map; one of it that
-// is added up, and one of the result.
-constexpr double kRayUs = 1e-3, kConeUs = 0.15, kMapUs = 0.025, kAddedUs = 0.01, kResultUs = 0.1;
+// Microseconds of a core: a reading that is looked at; a cell that a task goes over, by rays and by cones;
+// one of its map; one of it that is added up, and one of the result.
+constexpr double kLookUs = 5e-3, kRayUs = 1e-3, kConeUs = 0.15, kMapUs = 0.025, kAddedUs = 0.01,
+                 kResultUs = 0.1;
 
-// About how many cells a scan tells of.
-double WorkOf(const RangeScans& scans, std::size_t scan, double cell_m) {
-  const std::size_t beams = scans.beams.size();
-  const auto range = scans.range_m.As<double>().subspan(scan * beams, beams);
+// About how many cells a reading tells of.
+double CellsOf(double range_m, double opening_rad, double cell_m) {
+  const double length = range_m / cell_m;
+  return 1 + length * (1 + opening_rad / 2 * length);
+}
+
+double WorkOf(const RangeScans& scans, double cell_m) {
   double cells = 0;
-  for (const double measured : range) {
-    const double length = (std::isnan(measured) ? scans.max_range_m : measured) / cell_m;
-    cells += 1 + length * (1 + scans.opening_rad / 2 * length);
-  }
+  for (const double measured : scans.range_m.As<double>())
+    cells += CellsOf(std::isnan(measured) ? scans.max_range_m : measured, scans.opening_rad, cell_m);
   return cells;
-}
-
-// Its scans in a blob of their own: no worker fetches more for a task than that needs, nor waits for more.
-void AddTask(const std::string& log, const std::string& sensor, const Blob& scans, std::size_t first,
-             std::size_t count, double cost, Step* step) {
-  Blob rows;
-  for (const auto& [name, array] : scans.fields())
-    rows.Put(name, array.Rows(static_cast<std::int64_t>(first), static_cast<std::int64_t>(count)));
-  const std::string of_task = step->Share(std::move(rows));
-  TaskBuilder("counts", cost, &step->plan)
-      .ReadHash("sensor", sensor)
-      .ReadHash("scans", of_task)
-      .Read("grid")
-      .ReadHash("log", log);
-}
-
-// Time slices of about equal work.
-void AddTasks(const std::string& log, const RangeScans& scans, const GridBox& grid, Step* step) {
-  std::vector<double> work;
-  double all = 0;
-  for (std::size_t s = 0; s < scans.scans(); ++s) all += work.emplace_back(WorkOf(scans, s, grid.cell_m));
-  const double of_a_task = std::clamp(all / kTasks, kLeastCells, kMostCells);
-  const std::string sensor = step->Share(SensorBlob(scans));
-  const Blob rows = ScansBlob(scans);
-  double sum = 0;
-  std::size_t first = 0;
-  for (std::size_t s = 0; s < scans.scans(); ++s) {
-    sum += work[s];
-    if ((sum < of_a_task || (s + 1) % kScansTogether != 0) && s + 1 < scans.scans()) continue;
-    const double cost =
-        (scans.opening_rad > 0 ? kConeUs : kRayUs) * sum + kMapUs * static_cast<double>(grid.cells());
-    AddTask(log, sensor, rows, first, s + 1 - first, cost, step);
-    first = s + 1;
-    sum = 0;
-  }
 }
 
 GridBox GridIn(const Inputs& inputs, const Options& options) {
@@ -86,9 +91,10 @@ GridBox GridIn(const Inputs& inputs, const Options& options) {
   return grid;
 }
 
-const Blob* PosesOf(const Inputs& inputs, BlobPtr* keep) {
-  if (inputs.Has("poses")) *keep = inputs.Get("poses");
-  return keep->get();
+// By which results name the log: what people submit has no truth and no provenance in it.
+Hash SourceOf(const Inputs& inputs, const Blob& head) {
+  const bool is_all = head.Sub("truth/").fields().empty() && head.Sub("provenance/").fields().empty();
+  return is_all ? inputs.HashOf("log") : inputs.Get("log")->SourceHash();
 }
 
 Counts CountsOf(const Options& options, const RangeScans& scans, const GridBox& grid, Progress& progress) {
@@ -133,26 +139,52 @@ class Sums {
 };
 
 // What readings of the sensor are like: [Thr01]'s figures, as forward_map begins with them.
-ReadingModel ModelOf(const Options& options, const RangeScans& sensor, const Blob& log) {
+ReadingModel ModelOf(const Options& options, const RangeScans& sensor, double sonar_m) {
   ReadingModel model;
-  const bool stated = sensor.opening_rad > 0 && log.Has("noise/sonar_m");
-  model.sigma_m =
-      std::max(stated ? log.Scalar<double>("noise/sonar_m") : model.sigma_m, options.grid.cell_m / 2);
+  const bool stated = sensor.opening_rad > 0 && sonar_m >= 0;
+  model.sigma_m = std::max(stated ? sonar_m : model.sigma_m, options.grid.cell_m / 2);
   model.no_echo_m = model.sigma_m;
   model.z_max_m = sensor.max_range_m;
   model.no_echo = options.use_no_return;
   return model;
 }
 
-// Of a map without the scans that it is checked with.
-CheckedReadings CheckOf(const Options& options, const PosedScans& scans, const Blob& log, const GridBox& grid,
-                        std::vector<double> log_odds) {
-  for (double& l : log_odds) l = std::isnan(l) ? l : Probability(l);
-  CheckedReadings all;
-  for (const RangeScans& sensor : scans.sensors)
-    all.Add(Check(sensor, grid, log_odds, ModelOf(options, sensor, log)));
-  return all;
-}
+// Readings that the map is checked with, by sensor.
+class Checked {
+ public:
+  explicit Checked(std::int64_t sensors) : taken_(static_cast<std::size_t>(sensors)) {}
+
+  void Add(const Blob& partial) {
+    const std::int64_t sensor = partial.Scalar<std::int64_t>("sensor");
+    RequireWithin("a partial's sensor", sensor, 0, static_cast<std::int64_t>(taken_.size()) - 1);
+    const auto from = RowsIn<Pose>(partial, kReadings);
+    const auto range_m = partial.Get<double>(std::string(kReadings) + kRanges);
+    RequirePoses("a reading's beam", from);
+    RequireSize(kRanges, range_m.size(), from.size());
+    std::vector<TakenReading>& of = taken_[static_cast<std::size_t>(sensor)];
+    RequireWithin("readings", static_cast<std::int64_t>(of.size() + from.size()), 0,
+                  static_cast<std::int64_t>(kMostChecked));
+    for (std::size_t k = 0; k < from.size(); ++k) {
+      if (!std::isnan(range_m[k])) RequireWithin(kRanges, range_m[k], 0.0, kFar_m);
+      of.push_back({from[k], range_m[k]});
+    }
+  }
+
+  // Of a map without the scans that it is checked with.
+  CheckedReadings Sum(const Options& options, double sonar_m, const Inputs& inputs, const GridBox& grid,
+                      std::vector<double> log_odds) const {
+    for (double& l : log_odds) l = std::isnan(l) ? l : Probability(l);
+    CheckedReadings all;
+    for (std::size_t k = 0; k < taken_.size(); ++k) {
+      const RangeScans sensor = SensorIn(*inputs.Get(SensorName(static_cast<std::int64_t>(k))));
+      all.Add(Check(taken_[k], sensor.opening_rad, grid, log_odds, ModelOf(options, sensor, sonar_m)));
+    }
+    return all;
+  }
+
+ private:
+  std::vector<std::vector<TakenReading>> taken_;
+};
 
 Blob ResultOf(const GridBox& grid, const std::vector<double>& log_odds) {
   std::vector<double> probability;
@@ -169,58 +201,173 @@ Blob ResultOf(const GridBox& grid, const std::vector<double>& log_odds) {
   return BlobOf(map);
 }
 
-std::string NoteOf(const PosedScans& scans, const GridBox& grid) {
-  std::size_t count = 0;
-  for (const RangeScans& sensor : scans.sensors) count += sensor.scans();
-  std::string note = std::to_string(count) + " scans, " + std::to_string(grid.columns) + " by " +
-                     std::to_string(grid.rows) + " cells";
-  if (scans.unposed > 0) note += "; " + std::to_string(scans.unposed) + " scans without a pose left out";
+std::string NoteOf(const Standing& standing, const GridBox* grid) {
+  std::string note = std::to_string(standing.scans) + " scans";
+  if (grid != nullptr)
+    note += ", " + std::to_string(grid->columns) + " by " + std::to_string(grid->rows) + " cells";
+  if (standing.unposed > 0)
+    note += "; " + std::to_string(standing.unposed) + " scans without a pose left out";
   return note;
+}
+
+// Before the ranges are known: of a sensor whose readings are a third of its reach long.
+void ExpectCounts(const Options& options, const PosedScans& scans, proto::Step* plan) {
+  double cost = 0;
+  for (const RangeScans& sensor : scans.sensors)
+    cost += static_cast<double>(sensor.scans() * sensor.beams.size()) *
+            CellsOf(sensor.max_range_m / 3, sensor.opening_rad, options.grid.cell_m) *
+            (sensor.opening_rad > 0 ? kConeUs : kRayUs);
+  ExpectRounds(1, cost, 0, plan);
+}
+
+void PlanLook(const std::vector<RangeScans>& sensors, const std::vector<Part>& parts, const std::string& log,
+              proto::Step* plan) {
+  std::vector<double> bytes;
+  for (const Part& part : parts)
+    bytes.push_back(static_cast<double>(part.rows) * sizeof(double) *
+                    static_cast<double>(sensors[static_cast<std::size_t>(part.sensor)].beams.size()));
+  for (const Group& sensor : OfSensors(parts, bytes)) {
+    const std::string ranges = sensors[static_cast<std::size_t>(parts[sensor.first].sensor)].name + kRanges;
+    const double of_a_task = std::clamp(sensor.weight / kTasks, kLeastBytes, kMostBytes);
+    for (const Group& group : GroupParts(bytes, of_a_task, sensor))
+      AddTask("look", group.weight / sizeof(double) * kLookUs, group, parts, log, ranges, plan);
+  }
+}
+
+Blob Look(const Options& options, const std::vector<RangeScans>& parts, Progress& progress) {
+  std::vector<PartFacts> facts;
+  for (const RangeScans& part : parts) {
+    progress.Tick();
+    const Extent ends = EndsOf(part);
+    facts.push_back({ends.x0_m(), ends.y0_m(), ends.x1_m(), ends.y1_m(), WorkOf(part, options.grid.cell_m),
+                     CountReadings(part, ModelOf(options, part, -1))});
+  }
+  return BlobOfFacts(facts);
+}
+
+Blob Count(const Options& options, const Task& task, RangeScans scans, const GridBox& grid,
+           Progress& progress) {
+  constexpr std::int64_t kMost = std::int64_t{1} << 50;
+  const std::int64_t all = IntegerOf(task, "readings", 0, kMost);
+  const auto taken =
+      TakeReadings(scans, ModelOf(options, scans, -1), IntegerOf(task, "readings_before", 0, kMost), all);
+  Blob partial = ToBlob(CountsOf(options, scans, grid, progress));
+  partial.PutScalar("sensor", IntegerOf(task, "sensor", 0, kMostSensors));
+  partial.PutScalar<std::uint8_t>("cone", scans.opening_rad > 0 ? 1 : 0);
+  PutRows(kReadings, ColumnOf(taken, &TakenReading::from), &partial);
+  partial.PutVector(std::string(kReadings) + kRanges, ColumnOf(taken, &TakenReading::range_m));
+  const RangeScans checked = CheckedOnly(std::move(scans));
+  if (std::ranges::find(checked.held_out, 0) != checked.held_out.end())
+    partial.PutAll(kCheckedCounts, ToBlob(CountsOf(options, checked, grid, progress)));
+  return partial;
+}
+
+// Time slices of about equal work.
+void PlanCounts(const std::vector<Part>& parts, const std::vector<PartFacts>& facts, const GridBox& grid,
+                const Inputs& inputs, proto::Step* plan) {
+  const std::string log = inputs.HashOf("log").Binary();
+  const std::vector<double> work = ColumnOf(facts, &PartFacts::work);
+  for (const Group& of_sensor : OfSensors(parts, work)) {
+    const RangeScans sensor = SensorIn(*inputs.Get(SensorName(parts[of_sensor.first].sensor)));
+    std::int64_t all = 0, before = 0;
+    for (std::size_t k = of_sensor.first; k < of_sensor.end; ++k) all += facts[k].readings;
+    const double of_a_task = std::clamp(of_sensor.weight / kTasks, kLeastCells, kMostCells);
+    for (const Group& group : GroupParts(work, of_a_task, of_sensor)) {
+      const double cost = (sensor.opening_rad > 0 ? kConeUs : kRayUs) * group.weight +
+                          kMapUs * static_cast<double>(grid.cells());
+      AddTask("counts", cost, group, parts, log, sensor.name + kRanges, plan)
+          .Set("readings", all)
+          .Set("readings_before", before)
+          .Read("grid");
+      for (std::size_t k = group.first; k < group.end; ++k) before += facts[k].readings;
+    }
+  }
+}
+
+Step BeginCounts(const Options& options, const State& state, Partials& partials, const Inputs& inputs) {
+  Standing standing = StandingIn(state);
+  const std::vector<Part> parts = PartsIn(*inputs.Get(kPartsBlob), standing.sensors);
+  std::vector<PartFacts> facts;
+  for (std::size_t k = 0; k < partials.size(); ++k) {
+    const BlobPtr partial = partials.Get(k);
+    const std::vector<PartFacts> some = FactsIn(*partial, partial->at("work").size());
+    facts.insert(facts.end(), some.begin(), some.end());
+  }
+  RequireSize("what is said of parts", facts.size(), parts.size());
+  Extent frame, ends;
+  frame.Add(standing.x0_m, standing.y0_m);
+  frame.Add(standing.x1_m, standing.y1_m);
+  for (const PartFacts& of : facts) {
+    if (of.x1_m < of.x0_m) continue;
+    ends.Add(of.x0_m, of.y0_m);
+    ends.Add(of.x1_m, of.y1_m);
+  }
+  const GridBox grid = GridOf(frame, ends, options.grid, kBytesPerCell);
+  Step step;
+  Blob box;
+  PutFields("", grid, &box);
+  *step.plan.mutable_state() = state;
+  step.plan.mutable_state()->mutable_blobs()->erase(kPartsBlob);
+  (*step.plan.mutable_state()->mutable_blobs())["grid"] = step.Share(std::move(box));
+  standing.phase = Phase::kCounts;
+  PutScalars(standing, "", step.plan.mutable_state());
+  PlanCounts(parts, facts, grid, inputs, &step.plan);
+  step.plan.set_advance_cost(static_cast<double>(grid.cells()) *
+                             (kAddedUs * step.plan.tasks_size() + kResultUs));
+  step.plan.set_note(NoteOf(standing, &grid));
+  return step;
 }
 
 }  // namespace
 
 Step EvidenceMap::Start(const Inputs& inputs) const {
-  BlobPtr keep;
-  const BlobPtr log = inputs.Get("log");
-  const PosedScans scans = ReadRangeScans(*log, PosesOf(inputs, &keep), options_.grid);
-  const GridBox grid = GridOf(scans, options_.grid, kBytesPerCell);
+  const BlobPtr head = inputs.GetHead("log", kRanges);
+  const BlobPtr poses_input = inputs.Has("poses") ? inputs.Get("poses") : nullptr;
+  const Hash source = SourceOf(inputs, *head);
+  const PosedScans scans = ReadScanHeads(*head, source, poses_input.get(), options_.grid);
+  const Extent frame = FrameOf(scans, options_.grid);
+  GridOf(frame, {}, options_.grid, kBytesPerCell);  // the grid is no smaller: too large a one shows at once
   Step step;
-  Blob box, poses;
-  PutFields("", grid, &box);
-  PutScanPoses(scans, *log, &poses);
+  Standing standing{.sensors = static_cast<std::int64_t>(scans.sensors.size()),
+                    .unposed = static_cast<std::int64_t>(scans.unposed),
+                    .x0_m = frame.x0_m(),
+                    .y0_m = frame.y0_m(),
+                    .x1_m = frame.x1_m(),
+                    .y1_m = frame.y1_m()};
+  for (const RangeScans& sensor : scans.sensors) standing.scans += static_cast<std::int64_t>(sensor.scans());
+  if (head->Has("noise/sonar_m")) standing.sonar_m = head->Scalar<double>("noise/sonar_m");
+  PutScalars(standing, "", step.plan.mutable_state());
+  const std::vector<Part> parts = CutParts(scans.sensors, &step);
+  Blob poses;
+  PutScanPoses(scans, *head, source, &poses);
   auto& blobs = *step.plan.mutable_state()->mutable_blobs();
-  blobs["grid"] = step.Share(std::move(box));
+  blobs[kPartsBlob] = step.Share(BlobOfParts(parts));
   blobs["scan poses"] = step.Share(std::move(poses));
-  const std::string log_hash = log->ContentHash().Binary();
-  for (const RangeScans& sensor : scans.sensors) AddTasks(log_hash, sensor, grid, &step);
-  step.plan.set_advance_cost(static_cast<double>(grid.cells()) *
-                             (kAddedUs * step.plan.tasks_size() + kResultUs));
-  step.plan.set_note(NoteOf(scans, grid));
+  PlanLook(scans.sensors, parts, inputs.HashOf("log").Binary(), &step.plan);
+  ExpectCounts(options_, scans, &step.plan);
+  step.plan.set_note(NoteOf(standing, nullptr));
   return step;
 }
 
 Blob EvidenceMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
-  RequireKind(task, {"counts"});
-  RangeScans scans = ScansOf(*inputs.Get("sensor"), *inputs.Get("scans"), *inputs.Get("log"));
-  const GridBox grid = GridIn(inputs, options_);
-  const bool cone = scans.opening_rad > 0;
-  Blob partial = ToBlob(CountsOf(options_, scans, grid, progress));
-  partial.PutScalar<std::uint8_t>("cone", cone ? 1 : 0);
-  const RangeScans checked = CheckedOnly(std::move(scans));
-  if (std::ranges::find(checked.held_out, 0) != checked.held_out.end())
-    partial.PutAll(kCheckedCounts, ToBlob(CountsOf(options_, checked, grid, progress)));
-  return partial;
+  RequireKind(task, {"look", "counts"});
+  std::vector<RangeScans> parts = ScansOfTask(task, inputs);
+  if (task.kind() == "look") return Look(options_, parts, progress);
+  return Count(options_, task, Joined(std::move(parts)), GridIn(inputs, options_), progress);
 }
 
-Step EvidenceMap::Advance(const State&, Partials& partials, const Inputs& inputs) const {
+Step EvidenceMap::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
+  const Standing standing = StandingIn(state);
+  if (standing.phase == Phase::kRanges) return BeginCounts(options_, state, partials, inputs);
   const GridBox grid = GridIn(inputs, options_);
   Sums sums(options_, grid);
+  Checked readings(standing.sensors);
   auto of_checked = std::make_unique<Sums>(options_, grid);
   for (std::size_t k = 0; k < partials.size(); ++k) {
     const BlobPtr partial = partials.Get(k);
     const bool is_of_cones = partial->Scalar<std::uint8_t>("cone") != 0;
     sums.Add(*partial, is_of_cones);
+    readings.Add(*partial);
     const Blob checked = partial->Sub(kCheckedCounts);
     if (!checked.fields().empty()) of_checked->Add(checked, is_of_cones);
   }
@@ -229,10 +376,7 @@ Step EvidenceMap::Advance(const State&, Partials& partials, const Inputs& inputs
   of_checked.reset();
   Blob result = ResultOf(grid, std::exchange(log_odds, {}));
   result.PutAll("", *inputs.Get("scan poses"));
-  BlobPtr keep;
-  const BlobPtr log = inputs.Get("log");
-  const PosedScans scans = ReadRangeScans(*log, PosesOf(inputs, &keep), options_.grid);
-  PutCheck(CheckOf(options_, scans, *log, grid, sums.LogOdds()), &result);
+  PutCheck(readings.Sum(options_, standing.sonar_m, inputs, grid, sums.LogOdds()), &result);
   Step step;
   step.plan.set_result(step.Share(std::move(result)));
   return step;

@@ -10,8 +10,9 @@
 
 namespace cairn::evidence_map {
 
-// Inputs (schema/FORMAT.md): a log with range scans; it may be `poses`. Result: a grid_map with log-odds. One
-// round: a task is a time slice of one sensor's scans.
+// Inputs (schema/FORMAT.md): a log with range scans; it may be `poses`. Result: a grid_map with log-odds. Two
+// rounds: a task is a time slice of one sensor's scans, whose ranges the first looks at and the second counts
+// (parts.h).
 class EvidenceMap : public Pipeline {
  public:
   EvidenceMap(Options options, std::uint64_t /*seed*/) : options_(std::move(options)) {}

@@ -13,15 +13,17 @@ namespace {
 
 struct Outcome {
   BlobPtr result;
-  int tasks = 0;
+  int looks = 0, tasks = 0;  // of the first round, and of the second
 };
 
 Outcome Map(const Room& room, const Options& options, const Blob* poses = nullptr) {
   std::map<std::string, BlobPtr> inputs{{"log", std::make_shared<const Blob>(room.Log())}};
   if (poses != nullptr) inputs["poses"] = std::make_shared<const Blob>(*poses);
   Outcome outcome;
-  outcome.result = RunInProcess(EvidenceMap(options, 7), inputs,
-                                [&](const proto::Step& step) { outcome.tasks += step.tasks_size(); });
+  outcome.result = RunInProcess(EvidenceMap(options, 7), inputs, [&](const proto::Step& step) {
+    if (step.tasks_size() == 0) return;
+    (step.tasks(0).kind() == "look" ? outcome.looks : outcome.tasks) = step.tasks_size();
+  });
   return outcome;
 }
 
@@ -80,6 +82,28 @@ TEST(EvidenceMap, OfManySlicesIsThatOfAllScansAtOnce) {
     ASSERT_TRUE(log_odds[k] == static_cast<float>(at_once[k]) || std::isnan(at_once[k])) << k;
     ASSERT_EQ(std::isnan(log_odds[k]), std::isnan(at_once[k])) << k;
   }
+}
+
+// No task has more of the log than the rows that it names, and no others than they together have all.
+TEST(EvidenceMap, EachRoundReadsEachRowOfTheLogOnce) {
+  const Room room{.scans = 1300, .beams = 180};
+  const auto log = std::make_shared<const Blob>(room.Log());
+  int rounds = 0;
+  RunInProcess(EvidenceMap({}, 7), {{"log", log}}, [&](const proto::Step& step) {
+    if (step.tasks_size() == 0) return;
+    ++rounds;
+    std::int64_t next = 0;
+    for (const Task& task : step.tasks()) {
+      for (const proto::InputRef& input : task.inputs()) {
+        if (input.blob() != log->ContentHash().Binary()) continue;
+        ASSERT_TRUE(input.has_part());
+        EXPECT_EQ(input.part().first_row(), next);
+        next += input.part().row_count();
+      }
+    }
+    EXPECT_EQ(next, room.scans);
+  });
+  EXPECT_EQ(rounds, 2);
 }
 
 // What the scans that the map is checked with had added is taken out of it exactly: the check is that of a

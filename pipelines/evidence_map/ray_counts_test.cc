@@ -147,7 +147,7 @@ TEST(CountRays, PartsAddUpToTheWhole) {
   Untroubled progress;
   Totals sum{std::vector<std::int64_t>(7000), std::vector<std::int64_t>(7000)};
   for (std::size_t first = 0; first < 400; first += 50) {
-    const Counts counts = CountRays(Part(scans, first, 50), grid, true, progress);
+    const Counts counts = CountRays(ScansFrom(scans, first, 50), grid, true, progress);
     AddTo(grid, ToBlob(counts), &sum);
   }
   const Totals whole = Whole(scans, grid);

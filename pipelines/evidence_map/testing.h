@@ -29,7 +29,7 @@ inline RangeScans OneBeam(const std::vector<Pose>& poses, const std::vector<doub
 }
 
 // Scans [first, first + count).
-inline RangeScans Part(const RangeScans& scans, std::size_t first, std::size_t count) {
+inline RangeScans ScansFrom(const RangeScans& scans, std::size_t first, std::size_t count) {
   const Blob all = ScansBlob(scans);
   Blob rows;
   for (const auto& [name, array] : all.fields()) {

@@ -292,7 +292,7 @@ Case EvidenceMap() {
   log.PutAll("robot/0/sonar/", Room{.opening_rad = 0.26}.Log().Sub("robot/0/sonar/"));
   for (const char* name : {"x_m", "y_m"})
     log.Put(std::string("truth/walls/") + name, Array::Of<double>({1, 2}, {1.0, 2.0}));
-  Case c{.name = "evidence_map", .stage = {}, .inputs = {{"log", Share(std::move(log))}}, .rounds = 1};
+  Case c{.name = "evidence_map", .stage = {}, .inputs = {{"log", Share(std::move(log))}}};
   Set(c.stage, "cell_m", 0.02);
   Set(c.stage, "heldout", 0.1);
   return c;
