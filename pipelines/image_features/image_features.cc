@@ -7,6 +7,7 @@
 #include "pipelines/common/handed_over.h"
 #include "pipelines/common/task_builder.h"
 #include "pipelines/image_features/band_features.h"
+#include "schema/blob_part.h"
 
 namespace cairn::image_features {
 namespace {
@@ -17,6 +18,10 @@ constexpr std::int64_t kBytesOfATask = 1 << 23;  // of images: some 10 ms of a c
 constexpr double kByteUs = 5e-3, kCopiedUs = 5e-4;
 
 constexpr std::int64_t kMostPixels = 1 << 20;  // along a side
+constexpr std::int64_t kMostRuns = std::numeric_limits<std::int32_t>::max();
+
+// What tasks alone read, each its own.
+constexpr const char* kImages = "image";
 
 // `run/N/image`: [samples][rows][columns][3].
 struct ImageShape {
@@ -27,7 +32,7 @@ struct ImageShape {
 std::string RunPrefix(std::size_t run) { return "run/" + std::to_string(run) + "/"; }
 
 ImageShape ShapeOf(const Options& options, const Blob& samples, const std::string& run, std::size_t index) {
-  const std::string name = RunPrefix(index) + "image";
+  const std::string name = RunPrefix(index) + kImages;
   if (!samples.Has(name)) throw InputError("run '" + run + "' has no images");
   const Shape& shape = samples.at(name).shape();
   const std::int64_t least = std::min(
@@ -41,21 +46,23 @@ ImageShape ShapeOf(const Options& options, const Blob& samples, const std::strin
 }
 
 // The tasks of a run, in the order of its images.
-void AddTasks(const std::string& blob, const ImageShape& shape, proto::Step* plan) {
+void AddTasks(const std::string& samples, std::size_t run, const ImageShape& shape, proto::Step* plan) {
   const std::int64_t block = std::max<std::int64_t>(1, kBytesOfATask / shape.bytes());
   for (std::int64_t first = 0; first < shape.samples; first += block) {
     const std::int64_t count = std::min(block, shape.samples - first);
     TaskBuilder("features", kByteUs * static_cast<double>(count * shape.bytes()), plan)
-        .ReadHash("images", blob, {first, count});
+        .Set("run", run)
+        .ReadPart("images", samples, RowsPart(RunPrefix(run) + kImages, first, count));
   }
 }
 
 // All of the samples that does not change, without what only a simulator or a tracker knows.
-Blob Unchanged(const Blob& samples) {
+Blob Unchanged(const Blob& head, const Inputs& inputs) {
   Blob result;
-  for (const auto& [name, array] : samples.fields()) {
+  for (const auto& [name, array] : head.fields()) {
     const bool changes = name.starts_with("run/") && (name.ends_with("/image") || name.ends_with("/input"));
-    if (!changes && name != "input_name" && !name.starts_with("truth/")) result.Put(name, array);
+    if (changes || name == "input_name" || name.starts_with("truth/")) continue;
+    result.Put(name, array.is_form_alone() ? inputs.Get("samples")->at(name) : array);
   }
   return result;
 }
@@ -78,21 +85,16 @@ void Append(const Blob& partial, std::size_t features, std::span<const float> ha
 }  // namespace
 
 Step ImageFeatures::Start(const Inputs& inputs) const {
-  const BlobPtr samples = inputs.Get("samples");
+  const BlobPtr samples = inputs.GetHead("samples", kImages);
   const std::vector<std::string> runs = samples->Texts("runs");
   Step step;
   std::int64_t images = 0;
   double copied = 0;
   for (const auto& [name, array] : samples->fields())
-    if (!name.ends_with("/image") && !name.starts_with("truth/"))
-      copied += static_cast<double>(array.bytes().size());
+    if (!name.starts_with("truth/")) copied += static_cast<double>(array.bytes().size());
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const ImageShape shape = ShapeOf(options_, *samples, runs[r], r);
-    Blob blob;
-    blob.Put("image", samples->at(RunPrefix(r) + "image"));
-    const std::string hash = step.Share(std::move(blob));
-    (*step.plan.mutable_state()->mutable_blobs())["images " + std::to_string(r)] = hash;
-    AddTasks(hash, shape, &step.plan);
+    AddTasks(inputs.HashOf("samples").Binary(), r, shape, &step.plan);
     images += shape.samples;
   }
   if (images == 0) throw InputError("there are no images");
@@ -104,13 +106,15 @@ Step ImageFeatures::Start(const Inputs& inputs) const {
 Blob ImageFeatures::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
   RequireKind(task, {"features"});
   const BlobPtr images = inputs.Get("images");
-  const Shape& shape = images->at("image").shape();
+  const std::string name =
+      RunPrefix(static_cast<std::size_t>(IntegerOf(task, "run", 0, kMostRuns))) + kImages;
+  const Shape& shape = images->at(name).shape();
   RequireSize("the shape of images", shape.size(), 4);
   RequireWithin("the number of images", shape[0], 1, std::numeric_limits<std::int32_t>::max());
   RequireWithin("an image's rows", shape[1], options_.bands, kMostPixels);
   RequireWithin("an image's columns", shape[2], options_.bands, kMostPixels);
   RequireWithin("an image's colours", shape[3], 3, 3);
-  const auto rgb = images->Get<std::uint8_t>("image");
+  const auto rgb = images->Get<std::uint8_t>(name);
   const auto bytes = static_cast<std::size_t>(shape[1] * shape[2] * shape[3]);
   std::vector<float> rows;
   for (std::size_t k = 0; k < static_cast<std::size_t>(shape[0]); ++k) {
@@ -126,12 +130,12 @@ Blob ImageFeatures::Run(const Task& task, const Inputs& inputs, Progress& progre
 }
 
 Step ImageFeatures::Advance(const State&, Partials& partials, const Inputs& inputs) const {
-  const BlobPtr samples = inputs.Get("samples");
+  const BlobPtr samples = inputs.GetHead("samples", kImages);
   std::vector<std::string> names = BandFeatureNames(options_);
   const std::size_t features = names.size();
   const std::vector<std::string> had_names = samples->Texts("input_name");
   names.insert(names.end(), had_names.begin(), had_names.end());
-  Blob result = Unchanged(*samples);
+  Blob result = Unchanged(*samples, inputs);
   result.Put("input_name", Array::Texts(names));
   std::size_t task = 0;
   for (std::size_t r = 0; r < samples->Texts("runs").size(); ++r) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <memory>
 
 #include "pipelines/image_features/band_features.h"
@@ -73,6 +74,23 @@ TEST(ImageFeatures, PutsFeaturesBeforeTheInputsThatSamplesHad) {
       EXPECT_EQ(std::vector<float>(row.begin(), row.end()), expected) << "run " << run << ", image " << k;
     }
   }
+}
+
+// Nobody has more of the images than these.
+TEST(ImageFeatures, ATaskReadsItsOwnImagesAndAllTasksReadAllOnce) {
+  std::map<std::string, std::int64_t> next;
+  RunInProcess(ImageFeatures({}, 1), {{"samples", std::make_shared<const Blob>(Garden(2400))}},
+               [&](const proto::Step& step) {
+                 EXPECT_TRUE(step.state().blobs().empty());
+                 for (const Task& task : step.tasks()) {
+                   ASSERT_EQ(task.inputs_size(), 1);
+                   const proto::BlobPart& part = task.inputs(0).part();
+                   ASSERT_EQ(part.fields_size(), 1);
+                   EXPECT_EQ(part.first_row(), next[part.fields(0)]);
+                   next[part.fields(0)] += part.row_count();
+                 }
+               });
+  EXPECT_EQ(next, (std::map<std::string, std::int64_t>{{"run/0/image", 2400}, {"run/1/image", 2400}}));
 }
 
 TEST(ImageFeatures, OfSamplesWithoutOtherInputs) {
