@@ -17,6 +17,10 @@ namespace cairn::simulation {
   X(kCutOff, "network: a worker is cut off")                                 \
   X(kCutOneWay, "network: a worker is cut off in one direction")             \
   X(kMessageCut, "network: a message into a partition")                      \
+  X(kFetchDamaged, "network: a blob comes damaged, and is not taken")        \
+  X(kPartFetched, "worker: is sent a part of a blob")                        \
+  X(kFetchedAgain, "worker: asks again for what has not come")               \
+  X(kBlobMissing, "worker: is told that what it asks for is not there")      \
   X(kWorkerKilled, "worker: killed at some moment")                          \
   X(kWorkerKilledAtMessage, "worker: killed as a message comes")             \
   X(kWorkerKilledBeforeAnswer, "worker: killed before it answers")           \

@@ -101,6 +101,7 @@ Faults DrawFaults(std::uint64_t seed) {
   f.upload_cheats = maybe(0.5);
   f.break_per_s = maybe(0.1);
   if (rng.Below(10) == 0) DrawNight(f, rng);
+  f.blob_damage = maybe(0.3);
   return f;
 }
 

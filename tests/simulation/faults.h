@@ -13,6 +13,7 @@ struct Faults {
   double trouble_s = 40;  // then everything heals, and all jobs must end
   // Network, a message each.
   double lose = 0, duplicate = 0, delay_s = 0.01, late = 0;  // `late`: fraction that comes seconds later
+  double blob_damage = 0;                                    // of what workers fetch
   double partition_per_s = 0;                                // of a worker; some in one direction only
   // Workers, each.
   double crash_per_s = 0, hang_per_s = 0, stop_per_s = 0, leave_per_s = 0, clock_jump_per_s = 0;

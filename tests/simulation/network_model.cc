@@ -44,6 +44,11 @@ void NetworkModel::ToCoordinator(const std::string& peer, coordinator::Event eve
     world_.schedule.After(delay_s, [this, event, whole] { world_.shell().Deliver(event, whole); });
 }
 
+void NetworkModel::ToCoordinator(const std::string& peer, const wire::Fetch& fetch) {
+  for (const double delay_s : Delays(peer, kIn))
+    world_.schedule.After(delay_s, [this, peer, fetch] { world_.shell().Serve(peer, fetch); });
+}
+
 void NetworkModel::ToWorker(const std::string& peer, wire::Envelope message) {
   for (const double delay_s : Delays(peer, kOut))
     world_.schedule.After(delay_s, [this, peer, message] {

@@ -17,6 +17,7 @@ class NetworkModel {
   explicit NetworkModel(World& world) : world_(world) {}
   // `whole`: see ShellModel::Deliver.
   void ToCoordinator(const std::string& peer, coordinator::Event event, bool whole = true);
+  void ToCoordinator(const std::string& peer, const wire::Fetch& fetch);
   void ToWorker(const std::string& peer, wire::Envelope message);
   // Both ways, or one of them.
   void CutOff(const std::string& peer, double until_s);

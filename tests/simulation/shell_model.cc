@@ -153,6 +153,32 @@ void ShellModel::CheckAssign(const std::set<Hash>& inputs) {
     if (!memory_.contains(input)) world_.checks.Fail("a task was dispatched whose input is not there");
 }
 
+// server_requests.cc
+void ShellModel::Serve(const std::string& peer, const wire::Fetch& fetch) {
+  WhenAwake([this, peer, fetch] {
+    wire::Envelope answer;
+    const Hash hash = FromBinary(fetch.hash());
+    if (core_->MayRead(peer, hash) && memory_.contains(hash)) {
+      answer.mutable_blob()->set_of(fetch.hash());
+      if (fetch.has_part()) *answer.mutable_blob()->mutable_part() = fetch.part();
+    } else {
+      CheckMissing(peer, hash);
+      answer.mutable_missing()->set_hash(fetch.hash());
+      if (fetch.has_part()) *answer.mutable_missing()->mutable_part() = fetch.part();
+    }
+    world_.network.ToWorker(peer, answer);
+  });
+}
+
+void ShellModel::CheckMissing(const std::string& peer, const Hash& hash) {
+  const Worker* worker = core_->fleet().Find(peer);
+  if (worker == nullptr) return;
+  for (const auto& assigned : worker->assigned)
+    if (const auto given = given_.find(GivenText(peer, assigned.key));
+        given != given_.end() && given->second.contains(hash))
+      world_.checks.Fail("a worker is not served what its task reads");
+}
+
 bool ShellModel::Serves(const wire::Assign& assign, const std::string& peer) {
   if (core_ == nullptr) return false;
   const std::set<Hash> inputs = InputsOf(assign);

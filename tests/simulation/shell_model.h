@@ -30,6 +30,8 @@ class ShellModel {
   // From a socket or a user; lost while the process is down, late while it is stopped. `whole`: every blob's
   // content is what its hash says.
   void Deliver(const coordinator::Event& event, bool whole = true);
+  // A blob, or a part of one, that a worker asks for.
+  void Serve(const std::string& peer, const wire::Fetch& fetch);
   // From a client that brings what it hands in (UploaderModel).
   void Offer(const std::string& peer, const Hash& hash, std::uint64_t bytes);
   void Bring(const std::string& peer, wire::Piece piece);
@@ -38,7 +40,7 @@ class ShellModel {
   void StopUntil(double until_s) { stopped_until_s_ = until_s; }
   void JumpClock(double by_s) { clock_offset_s_ += by_s; }
   void FillDiskUntil(double until_s) { store_.FillUntil(until_s); }
-  // Whether a worker that was given this could fetch its inputs. A task that is still wanted must have them.
+  // Whether what it reads is there still when it has ended. A task that is still wanted must have it.
   bool Serves(const wire::Assign& assign, const std::string& peer);
   const coordinator::Core* core() const { return core_.get(); }  // null while it is down
   const StoreModel& store() const { return store_; }
@@ -80,6 +82,7 @@ class ShellModel {
   void Wake();
   void Receive(const coordinator::Event& event, bool whole);
   void Take(const WriteDone& done);
+  void CheckMissing(const std::string& peer, const Hash& hash);
   void CheckAssign(const std::set<Hash>& inputs);
   void CheckMemory();
   double Now();

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "coordinator/core/round.h"
+#include "schema/blob_part.h"
 #include "schema/rng.h"
 
 namespace cairn::simulation {
@@ -34,6 +35,8 @@ void PlanTasks(proto::Step& step, const Hash& basis, std::int64_t most, const Ha
     proto::InputRef& input = *task.add_inputs();
     input.set_name("shared");
     input.set_blob(shared.Binary());
+    if (Draw(dice, 2) == 0)  // some read the same rows in one round after the other
+      *input.mutable_part() = RowsPart("values", static_cast<std::int64_t>(Draw(dice, 7)), 3);
     if (i == 0 || Draw(dice, 3) == 0) continue;
     proto::InputRef& earlier = *task.add_inputs();
     earlier.set_name("earlier");
@@ -73,7 +76,7 @@ ToyAnswer ComputeToy(const wire::Assign& assign) {
   if (assign.key().kind() == wire::TaskKey::RUN) {
     std::vector<std::string> parts{std::to_string(assign.task().params().at("n").i())};
     for (const proto::InputRef& input : assign.task().inputs())
-      parts.push_back(input.name() + "=" + input.blob());
+      parts.push_back(input.name() + "=" + input.blob() + "/" + std::to_string(input.part().first_row()));
     ToyAnswer answer;
     answer.partial = Mix("partial", parts);
     answer.blobs = {answer.partial};

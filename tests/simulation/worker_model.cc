@@ -3,11 +3,34 @@
 #include <algorithm>
 
 #include "coordinator/core/fleet.h"
+#include "schema/blob_part.h"
 #include "tests/simulation/world.h"
 
 namespace cairn::simulation {
 
 using coordinator::SameAttempt;
+
+namespace {
+
+Hash NameOf(const std::string& blob, const proto::BlobPart* part) {
+  const Hash hash = Hash::FromBinary(blob).value();
+  return part == nullptr ? hash : NameOfPart(hash, *part);
+}
+
+// All that the task reads, by what the answers will name.
+std::map<Hash, wire::Fetch> FetchesOf(const wire::Assign& assign) {
+  std::map<Hash, wire::Fetch> fetches;
+  for (const proto::InputRef& input : assign.task().inputs()) {
+    wire::Fetch& fetch = fetches[NameOf(input.blob(), input.has_part() ? &input.part() : nullptr)];
+    fetch.set_hash(input.blob());
+    if (input.has_part()) *fetch.mutable_part() = input.part();
+  }
+  if (assign.key().kind() == wire::TaskKey::RUN) return fetches;
+  for (const Hash& hash : InputsOf(assign)) fetches[hash].set_hash(hash.Binary());
+  return fetches;
+}
+
+}  // namespace
 
 WorkerModel::WorkerModel(World& world, std::string name, WorkerTraits traits)
     : world_(world), name_(std::move(name)), traits_(std::move(traits)) {}
@@ -17,6 +40,7 @@ void WorkerModel::Start() {
              (traits_.lies ? ", a liar" : ""));
   KeepSayingHello();
   KeepHeartbeat();
+  KeepFetching();
 }
 
 void WorkerModel::SayHello() {
@@ -52,6 +76,20 @@ void WorkerModel::KeepHeartbeat() {
   world_.schedule.After(wait_s, [this] { KeepHeartbeat(); });
 }
 
+// Again and again, until it has come: any message may be lost.
+void WorkerModel::KeepFetching() {
+  if (!alive_) return;
+  if (welcomed_ && world_.schedule.now_s() >= stopped_until_s_) {
+    for (const Held& held : queue_) {
+      for (const auto& [name, fetch] : held.lacking) {
+        world_.Count(kFetchedAgain);
+        world_.network.ToCoordinator(name_, fetch);
+      }
+    }
+  }
+  world_.schedule.After(1.1, [this] { KeepFetching(); });
+}
+
 void WorkerModel::Receive(const wire::Envelope& message) {
   if (!alive_) return;
   if (const double wait_s = stopped_until_s_ - world_.schedule.now_s(); wait_s > 0)
@@ -71,6 +109,8 @@ void WorkerModel::Receive(const wire::Envelope& message) {
     SayHello();
   }
   if (message.has_assign()) Take(message.assign());
+  if (message.has_blob()) Take(message.blob());
+  if (message.has_missing()) Take(message.missing());
   if (message.has_cancel() && !hung_) Drop(message.cancel().key());
   if (message.has_drain()) draining_ = true;
   LeaveIfDrained();
@@ -97,7 +137,28 @@ void WorkerModel::Take(const wire::Assign& assign) {
   if (Foreign()) world_.checks.Fail(name_ + " of another build was given a task");
   const auto same = [&](const Held& held) { return SameAttempt(held.assign.key(), assign.key()); };
   if (std::any_of(queue_.begin(), queue_.end(), same)) return;
-  queue_.push_back({assign});
+  Held& held = queue_.emplace_back(Held{assign, 0, FetchesOf(assign)});
+  std::erase_if(held.lacking, [this](const auto& lacked) { return has_.contains(lacked.first); });
+  for (const auto& [name, fetch] : held.lacking) world_.network.ToCoordinator(name_, fetch);
+  BeginNext();
+}
+
+void WorkerModel::Take(const wire::BlobData& data) {
+  if (world_.Chance(world_.faults.blob_damage)) return world_.Count(kFetchDamaged);  // its hash says so
+  if (data.has_part()) world_.Count(kPartFetched);
+  const Hash name = NameOf(data.of(), data.has_part() ? &data.part() : nullptr);
+  has_.insert(name);
+  for (Held& held : queue_) held.lacking.erase(name);
+  BeginNext();
+}
+
+void WorkerModel::Take(const wire::Missing& missing) {
+  const Hash name = NameOf(missing.hash(), missing.has_part() ? &missing.part() : nullptr);
+  for (Held& held : queue_) {
+    if (held.lacking.erase(name) == 0) continue;
+    world_.Count(kBlobMissing);
+    held.hopeless = true;
+  }
   BeginNext();
 }
 
@@ -112,7 +173,7 @@ void WorkerModel::Drop(const wire::TaskKey& key) {
 }
 
 void WorkerModel::BeginNext() {
-  if (computing_ || queue_.empty() || hung_) return;
+  if (computing_ || queue_.empty() || hung_ || !queue_.front().lacking.empty()) return;
   computing_ = true;
   const std::uint64_t number = ++computation_;
   const double takes_s = world_.rng.Uniform(0.2, 2) * world_.faults.task_s / traits_.speed;
@@ -128,14 +189,14 @@ void WorkerModel::BeginNext() {
 }
 
 void WorkerModel::FinishFirst() {
-  const wire::Assign assign = queue_.front().assign;
+  const Held held = queue_.front();
   queue_.pop_front();
   computing_ = false;
   if (world_.Chance(world_.faults.crash_at_message)) {
     world_.Count(kWorkerKilledBeforeAnswer);
     return Crash();
   }
-  SendAnswer(assign);
+  SendAnswer(held);
   if (world_.Chance(world_.faults.crash_at_message)) {
     world_.Count(kWorkerKilledAfterAnswer);
     return Crash();
@@ -144,11 +205,12 @@ void WorkerModel::FinishFirst() {
   if (alive_) BeginNext();
 }
 
-void WorkerModel::SendAnswer(const wire::Assign& assign) {
+void WorkerModel::SendAnswer(const Held& held) {
+  const wire::Assign& assign = held.assign;
   const ToyAnswer toy = ComputeToy(assign);
   const bool trouble = world_.Chance(world_.faults.task_crash);
   if (trouble) world_.Count(kTaskTrouble);
-  if (trouble || toy.input_error || toy.fails || !world_.shell().Serves(assign, name_)) {
+  if (trouble || held.hopeless || toy.input_error || toy.fails || !world_.shell().Serves(assign, name_)) {
     wire::Failed failed;
     *failed.mutable_key() = assign.key();
     failed.set_message(toy.input_error ? "bad input" : "trouble");

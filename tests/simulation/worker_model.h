@@ -1,9 +1,11 @@
-// A worker as the coordinator sees it: says Hello, sends heartbeats, computes what it is given one after the
-// other. It may be slow, hang, be stopped, die, forget, lie, or be of another build.
+// A worker as the coordinator sees it: says Hello, sends heartbeats, fetches what its tasks read, blobs and
+// parts of them, and computes them one after the other. It may be slow, hang, be stopped, die, forget, lie,
+// or be of another build.
 #pragma once
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -41,17 +43,22 @@ class WorkerModel {
   struct Held {
     wire::Assign assign;
     std::uint64_t ticks = 0;
+    std::map<Hash, wire::Fetch> lacking;  // by the names that the answers have
+    bool hopeless = false;                // some of it is not to be had
   };
   bool Foreign() const { return traits_.build != "1"; }
   void SayHello();
   void KeepSayingHello();
   void KeepHeartbeat();
+  void KeepFetching();
   void Take(const wire::Assign& assign);
+  void Take(const wire::BlobData& data);
+  void Take(const wire::Missing& missing);
   void Drop(const wire::TaskKey& key);
   void LeaveIfDrained();
   void BeginNext();
   void FinishFirst();
-  void SendAnswer(const wire::Assign& assign);
+  void SendAnswer(const Held& held);
   void Forget();
 
   World& world_;
@@ -62,6 +69,7 @@ class WorkerModel {
   double stopped_until_s_ = 0, clock_jump_s_ = 0;
   std::uint64_t computation_ = 0;  // numbered, so that what was called off does not end
   std::deque<Held> queue_;
+  std::set<Hash> has_;  // what it has fetched
 };
 
 }  // namespace cairn::simulation
