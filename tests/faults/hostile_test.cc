@@ -25,28 +25,14 @@ std::size_t HighestMemory_kb(pid_t pid) {
   return 0;
 }
 
-class Hostile : public Faults {
+class Hostile : public FaultsOnTcp {
  protected:
   void SetUp() override {
     FixNumericsOfProcess();
     FixNumericsOfThread();
-    endpoint_ = wire::FreeTcpEndpoint();
-    port_ = wire::PortOf(endpoint_);
-    std::ofstream list(folder_.path() / "allowed");
-    for (const auto& [name, role] : std::map<std::string, std::string>{
-             {"worker", "worker"}, {"client", "submitter"}, {"wicked", "worker"}}) {
-      keys_[name] = wire::GenerateKeyPair();
-      list << keys_[name].public_key << " " << role << " " << name << "\n";
-      ASSERT_TRUE(wire::WriteKeyPair(folder_.path() / name, keys_[name]).ok());
-    }
-    list << "end\n";
-    list.close();
-    ASSERT_TRUE(wire::WriteKeyPair(folder_.path() / "coordinator", server_).ok());
-    const std::string keys = folder_.path().string();
-    coordinator_more_ = {"--keys", keys, "--max-message-mb", "4"};
-    worker_more_ = {"--key", keys + "/worker.key", "--server-key", keys + "/coordinator.pub"};
-    security_ = wire::ClientSecurity{keys_["client"], server_.public_key};
-    Faults::SetUp();
+    roles_["wicked"] = "worker";
+    coordinator_more_ = {"--max-message-mb", "4"};
+    FaultsOnTcp::SetUp();
     ::setenv("CAIRN_TASK_MS", "120", 1);  // as long as the attacks take
   }
 
@@ -180,10 +166,7 @@ class Hostile : public Faults {
     }
   }
 
-  int port_ = 0;
   zmq::context_t raw_;
-  std::map<std::string, wire::KeyPair> keys_;
-  const wire::KeyPair server_ = wire::GenerateKeyPair();
   int malformed_answers_ = 0;
 };
 

@@ -12,6 +12,7 @@
 #include <iostream>
 #include <iterator>
 #include <list>
+#include <map>
 #include <optional>
 #include <string>
 #include <thread>
@@ -20,7 +21,9 @@
 #include "coordinator/client.h"
 #include "coordinator/store/checkpoint_file.h"
 #include "pipelines/testing/in_process.h"
+#include "schema/wire/keys.h"
 #include "schema/wire/testing/private_folder.h"
+#include "schema/wire/testing/raw_peer.h"
 #include "tests/faults/process.h"
 #include "worker/testing/toy_pipeline.h"
 
@@ -74,7 +77,7 @@ class Faults : public ::testing::Test {
     client_.emplace(
         coordinator::Client::Connect({.endpoint = endpoint_, .security = security_, .timeout_s = 30})
             .value());
-    const auto submitted = client_->Submit(ToyJob(), {{"log", log_}});
+    const auto submitted = client_->Submit(work_, {{"log", log_}});
     ASSERT_TRUE(submitted.ok()) << submitted.status().message();
     job_ = submitted.value().id();
   }
@@ -99,7 +102,7 @@ class Faults : public ::testing::Test {
     ASSERT_EQ(end.state(), "done") << end.reason();
     const auto results = client_->Results(job_);
     ASSERT_TRUE(results.ok()) << results.status().message();
-    EXPECT_EQ(results.value().at("toy")->Without("provenance/").ContentHash(), want_);
+    EXPECT_EQ(results.value().at(work_.name())->Without("provenance/").ContentHash(), want_);
   }
   std::string LogText(const char* file) const {
     std::ifstream in(folder_.path() / file);
@@ -131,12 +134,41 @@ class Faults : public ::testing::Test {
   std::string endpoint_ = folder_.Ipc("hub");
   std::optional<wire::ClientSecurity> security_;
   std::vector<std::string> coordinator_more_, worker_more_;  // arguments
+  proto::Job work_ = ToyJob();                               // of one stage, of the same name
   BlobPtr log_;
   Hash want_;
   std::optional<Process> coordinator_;
   std::list<Process> workers_;
   std::optional<coordinator::Client> client_;
   std::string job_;
+};
+
+// On TCP, where everybody has a key.
+class FaultsOnTcp : public Faults {
+ protected:
+  void SetUp() override {
+    endpoint_ = wire::FreeTcpEndpoint();
+    port_ = wire::PortOf(endpoint_);
+    std::ofstream list(folder_.path() / "allowed");
+    for (const auto& [name, role] : roles_) {
+      keys_[name] = wire::GenerateKeyPair();
+      list << keys_[name].public_key << " " << role << " " << name << "\n";
+      ASSERT_TRUE(wire::WriteKeyPair(folder_.path() / name, keys_[name]).ok());
+    }
+    list << "end\n";
+    list.close();
+    ASSERT_TRUE(wire::WriteKeyPair(folder_.path() / "coordinator", server_).ok());
+    const std::string keys = folder_.path().string();
+    coordinator_more_.insert(coordinator_more_.end(), {"--keys", keys});
+    worker_more_ = {"--key", keys + "/worker.key", "--server-key", keys + "/coordinator.pub"};
+    security_ = wire::ClientSecurity{keys_["client"], server_.public_key};
+    Faults::SetUp();
+  }
+
+  int port_ = 0;
+  std::map<std::string, std::string> roles_ = {{"worker", "worker"}, {"client", "submitter"}};
+  std::map<std::string, wire::KeyPair> keys_;
+  const wire::KeyPair server_ = wire::GenerateKeyPair();
 };
 
 }  // namespace cairn::faults

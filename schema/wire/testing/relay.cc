@@ -4,9 +4,22 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace cairn::wire {
+namespace {
+
+// Minus one where nobody listens.
+int ConnectTcp(int port) {
+  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const sockaddr_in address = RawTcp::Loopback(port);
+  if (::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return fd;
+  ::close(fd);
+  return -1;
+}
+
+}  // namespace
 
 TamperingRelay::TamperingRelay(int port) : port_(port), thread_([this] { Run(); }) {}
 
@@ -31,14 +44,11 @@ void TamperingRelay::Run() {
   }
   if (stop_) return;
   const int client = listener_.AcceptFd();
-  const int server = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  const sockaddr_in address = RawTcp::Loopback(port_);
-  if (::connect(server, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
-    while (!stop_ && Pump(client, server)) {
-    }
+  const int server = ConnectTcp(port_);
+  while (server >= 0 && !stop_ && Pump(client, server)) {
   }
   ::close(client);
-  ::close(server);
+  if (server >= 0) ::close(server);
 }
 
 bool TamperingRelay::Pump(int client, int server) {
@@ -64,16 +74,20 @@ std::string TamperingRelay::Hear(std::string bytes) {
 }
 
 StallingRelay::StallingRelay(const std::string& listens, const std::string& goes_to)
-    : to_(goes_to), listener_(listens), thread_([this] { Run(); }) {}
+    : connect_([goes_to] { return ConnectUnix(goes_to); }), listener_(listens), thread_([this] { Run(); }) {}
+
+StallingRelay::StallingRelay(int port)
+    : connect_([port] { return ConnectTcp(port); }), thread_([this] { Run(); }) {}
 
 StallingRelay::~StallingRelay() {
   stop_ = true;
   thread_.join();
-  for (const pollfd& end : ends_) ::close(end.fd);
+  CloseAll();
 }
 
 void StallingRelay::Run() {
   while (!stop_) {
+    if (breaks_.exchange(false)) CloseAll();
     std::vector<pollfd> waits = ends_;
     waits.push_back({listener_.fd(), POLLIN, 0});
     ::poll(waits.data(), waits.size(), 5);
@@ -84,18 +98,35 @@ void StallingRelay::Run() {
 }
 
 void StallingRelay::Accept() {
-  ends_.push_back({listener_.AcceptFd(), POLLIN, 0});
-  ends_.push_back({ConnectUnix(to_), POLLIN, 0});
+  const int dealer = listener_.AcceptFd(), router = connect_();
+  if (router < 0) {
+    ::close(dealer);
+    return;
+  }
+  ends_.push_back({dealer, POLLIN, 0});
+  ends_.push_back({router, POLLIN, 0});
 }
 
 void StallingRelay::Pass(std::size_t from) {
-  char bytes[4096];
-  const ssize_t count = ::read(ends_[from].fd, bytes, sizeof bytes);
+  char bytes[65536];
+  const bool of_router = from % 2 == 1;
+  const std::size_t room =
+      of_router && !stalled ? std::min<std::size_t>(sizeof bytes, most - passed) : sizeof bytes;
+  const ssize_t count = ::read(ends_[from].fd, bytes, room);
   if (count <= 0) {
     ends_[from].events = 0;  // closed: the other end is left as it is
-  } else if (!stalled) {
-    EXPECT_EQ(::send(ends_[from ^ 1].fd, bytes, static_cast<std::size_t>(count), MSG_NOSIGNAL), count);
+    return;
   }
+  if (stalled) return;
+  EXPECT_EQ(::send(ends_[from ^ 1].fd, bytes, static_cast<std::size_t>(count), MSG_NOSIGNAL), count);
+  if (of_router && (passed += static_cast<std::uint64_t>(count)) >= most) stalled = true;
+}
+
+void StallingRelay::CloseAll() {
+  for (const pollfd& end : ends_) ::close(end.fd);
+  ends_.clear();
+  most = std::numeric_limits<std::uint64_t>::max();
+  stalled = false;
 }
 
 }  // namespace cairn::wire

@@ -5,7 +5,9 @@
 #include <poll.h>
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -40,25 +42,31 @@ class TamperingRelay {
   std::thread thread_;
 };
 
-// Between dealers and a router's socket file: what it reads it passes on, or, stalled, throws away. The
-// connections stand.
+// Between dealers and a router: what it reads it passes on, or, stalled, throws away. The connections stand.
 class StallingRelay {
  public:
-  StallingRelay(const std::string& listens, const std::string& goes_to);
+  StallingRelay(const std::string& listens, const std::string& goes_to);  // socket files
+  explicit StallingRelay(int port);  // from a port of its own to that one
   ~StallingRelay();
   StallingRelay(const StallingRelay&) = delete;
   StallingRelay& operator=(const StallingRelay&) = delete;
+  const std::string& endpoint() const { return listener_.endpoint(); }
   std::atomic<bool> stalled = false;
+  // Bytes of the router's; once it has passed so many on, it is stalled.
+  std::atomic<std::uint64_t> passed = 0, most = std::numeric_limits<std::uint64_t>::max();
+  // Ends the connections. Those that come next are not stalled.
+  void Break() { breaks_ = true; }
 
  private:
   void Run();
   void Accept();
   void Pass(std::size_t from);
+  void CloseAll();
 
-  const std::string to_;
+  const std::function<int()> connect_;
   const RawListener listener_;
-  std::vector<pollfd> ends_;  // of one connection at 2k and 2k + 1
-  std::atomic<bool> stop_{false};
+  std::vector<pollfd> ends_;  // of one connection at 2k, the router's at 2k + 1
+  std::atomic<bool> breaks_{false}, stop_{false};
   std::thread thread_;
 };
 
