@@ -113,7 +113,7 @@ void DoubtUnits(const RobotRows& robot, bool range_is_known, ImportReport* repor
 }  // namespace
 
 std::string Origin::Of(std::size_t row) const {
-  return row < line.size() ? file + ":" + std::to_string(line[row]) + ": " : "";
+  return row < line.size() ? file + before_line + std::to_string(line[row]) + ": " : "";
 }
 
 void DoubtPosesOf(const Poses& poses, const std::string& who, const std::string& table,

@@ -47,7 +47,8 @@ struct ImportReport {
 // The file and the lines that rows come from, for messages; importers that do not keep it leave it empty.
 struct Origin {
   std::string file;
-  std::vector<std::size_t> line;          // of each row
+  std::vector<std::size_t> line;  // of each row
+  std::string before_line = ":";
   std::string Of(std::size_t row) const;  // "odometry.csv:7: ", or nothing
 };
 

@@ -101,6 +101,7 @@ std::vector<double> NumbersOf(std::string_view line, std::size_t count) {
 
 std::optional<Recognized> RecognizeFile(const std::string& path) {
   const std::string text = ReadHead(path), file = Quoted(path);
+  if (const auto bag = BagName(text)) return Recognized{*bag, "cairn import bag " + file + " log.h5"};
   Lines lines(text);
   while (lines.Next()) {
     const std::string_view line = lines.text(), word = line.substr(0, line.find(' '));
@@ -189,6 +190,12 @@ std::optional<Recognized> RecognizeOneFolder(const std::string& path) {
         "cairn import csv --odometry " + Quoted(FindFile(path, "odometry.csv")) +
             (has("observations.csv") ? " --observations " + Quoted(FindFile(path, "observations.csv")) : "") +
             " log.h5"};
+  if (has("metadata.yaml")) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(path, ignored))
+      if (const std::string ending = entry.path().extension(); ending == ".db3" || ending == ".mcap")
+        return Recognized{"a folder of rosbag2", "cairn import bag " + folder + " log.h5"};
+  }
   std::vector<std::string> files;
   std::error_code error;
   std::size_t images = 0;
@@ -224,6 +231,13 @@ std::optional<Recognized> RecognizeFolder(const std::string& path) {
 }
 
 }  // namespace
+
+std::optional<std::string> BagName(std::string_view head) {
+  if (head.starts_with("#ROSBAG V")) return "a ROS 1 bag";
+  if (head.starts_with("\x89MCAP")) return "an MCAP file";
+  if (head.starts_with("SQLite format 3")) return "a ROS 2 bag in SQLite";
+  return std::nullopt;
+}
 
 std::optional<Recognized> Recognize(const std::string& path) {
   std::error_code error;

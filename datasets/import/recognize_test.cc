@@ -35,6 +35,9 @@ TEST(Recognize, TellsFilesByTheirFirstLine) {
   ExpectContains(command("scans2.csv", "time_s;r0;r1;r2\n0;1;2;3\n"), "cairn import carmen SCANS.log");
   ExpectContains(command("excel.csv", "sep=;\r\ntime_s;turn_deg;forward_mm\r\n"), "--odometry /");
   ExpectContains(command("it's.csv", "image,time_s,x_m,y_m\n"), "it'\\''s.csv' images.h5");
+  ExpectContains(command("drive.bag", "#ROSBAG V2.0\nE"), "drive.bag log.h5");
+  ExpectContains(command("drive.mcap", "\x89MCAP0\r\n"), "cairn import bag /");
+  ExpectContains(command("drive.db3", "SQLite format 3"), "cairn import bag /");
   EXPECT_EQ(command("h.txt", "Dear diary\n"), "");
   EXPECT_EQ(command("i.txt", ""), "");
   EXPECT_EQ(CommandOf(folder / "none"), "");

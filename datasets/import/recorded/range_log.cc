@@ -25,7 +25,7 @@ bool SamePose(const std::optional<Pose>& a, const std::optional<Pose>& b) {
 
 bool HasPose(const RangeEvent& event) { return event.odometry || event.corrected; }
 bool IsPosedScan(const RangeEvent& event) { return event.sensor && HasPose(event); }
-bool IsPoseAlone(const RangeEvent& event) { return !event.sensor && !event.mark; }
+bool IsPoseAlone(const RangeEvent& event) { return !event.sensor && !event.mark && !event.landmark; }
 
 // More than half of a sensor's scans have a stamp of their own (without scans: of the poses).
 bool StampsTellApart(const Events& events) {
@@ -103,6 +103,7 @@ void TellTimesApart(ImportReport* report, Events* events) {
 Poses PosesOf(const RangeLog& log, std::optional<Pose> RangeEvent::* which) {
   Poses poses;
   poses.from.file = log.path;
+  poses.from.before_line = log.before_line;
   for (const RangeEvent& event : log.events) {
     if (!(event.*which)) continue;
     const Pose& pose = *(event.*which);
@@ -140,14 +141,18 @@ void AddSensed(RangeLog* log, double first_s, double last_s, ImportReport* repor
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   RobotRows& robot = rows->robots.front();
   NameIndex names;
-  for (const RangeEvent& event : log->events) {
+  for (RangeEvent& event : log->events) {
     if (IsPoseAlone(event)) continue;
     if (event.stamp_s < first_s || event.stamp_s > last_s) {
-      ++report
-            ->dropped[event.sensor ? "scan outside the odometry's time" : "mark outside the odometry's time"];
+      const char* what = event.sensor ? "scan" : event.mark ? "mark" : "landmark";
+      ++report->dropped[std::string(what) + " outside the odometry's time"];
       continue;
     }
     if (event.sensor) AddScan(event, report, &log->sensors[*event.sensor]);
+    std::vector<double>().swap(event.range_m);  // the log has it now
+    if (event.landmark)
+      robot.observations.Add(event.stamp_s, names.FindOrAdd(event.landmark->name), event.landmark->range_m,
+                             event.landmark->bearing_rad);
     const bool named =
         event.mark && log->marks_are_names && !event.mark->empty() && !MeansUnknown(*event.mark);
     const std::int32_t landmark = named ? names.FindOrAdd(*event.mark) : -1;

@@ -13,6 +13,12 @@
 
 namespace cairn::datasets {
 
+// A landmark that was seen, and where.
+struct LandmarkSeen {
+  std::string name;
+  double range_m = 0, bearing_rad = 0;
+};
+
 // A line of the log that counts. A scan's ranges are as read: those of 0, and those at its sensor's reach or
 // beyond, are taken for no answer.
 struct RangeEvent {
@@ -24,6 +30,7 @@ struct RangeEvent {
   std::optional<std::size_t> sensor;  // of a scan: index into RangeLog::sensors
   std::vector<double> range_m;
   std::optional<std::string> mark;  // what a person said of the place: a contact detection
+  std::optional<LandmarkSeen> landmark = {};
 };
 
 struct RangeLog {
@@ -32,6 +39,7 @@ struct RangeLog {
   std::vector<RangeEvent> events;  // in the order of lines
   bool numbered = false;           // do not use the time stamps
   bool marks_are_names = false;    // marks of the same text are of one landmark
+  std::string before_line = ":";   // what stands before a line's number in messages
 };
 
 // Beams of a laser from right to left about its middle, at `ahead_m` on the robot.

@@ -210,6 +210,7 @@ void AddImport(Command app, Invocation& call) {
   import.Footer(
       "Example:\n  cairn import csv --odometry odometry.csv --observations observations.csv log.h5");
   AddCsv(import, call);
+  AddBagImport(import, call);
   AddMrclam(import, call);
   AddVectors(import, call);
   AddImages(import, call);

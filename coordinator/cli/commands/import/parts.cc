@@ -1,11 +1,15 @@
 #include "coordinator/cli/commands/import/parts.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 
 #include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/job_file/inputs.h"
 #include "coordinator/cli/output/path.h"
 #include "coordinator/cli/output/plan_text.h"
@@ -55,6 +59,21 @@ int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportRep
   PrintCounts("left out", report.dropped);
   std::printf("%s: %s\n", output.out.c_str(), ContentText(blob).c_str());
   return kExitDone;
+}
+
+std::pair<std::string, Pose> ParseMount(const std::string& text, const std::string& example) {
+  const std::size_t equals = text.rfind('=');
+  std::vector<double> numbers;
+  for (std::size_t at = equals; at != std::string::npos && at < text.size();) {
+    const std::size_t end = std::min(text.find(',', at + 1), text.size());
+    const auto number = ToReal(text.substr(at + 1, end - at - 1));
+    if (number && std::isfinite(*number)) numbers.push_back(*number);
+    at = end;
+  }
+  const std::string sensor = text.substr(0, std::min(equals, text.size()));
+  if (numbers.size() != 3 || sensor.empty())
+    throw InputError("--mount " + text + ": what is meant is SENSOR=X,Y,DEGREES, such as " + example);
+  return {sensor, {numbers[0], numbers[1], numbers[2] * std::numbers::pi / 180}};
 }
 
 void AddTextLimit(Command command) {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "coordinator/cli/common/invocation.h"
 #include "datasets/import/log_rows.h"
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::cli {
 
@@ -24,6 +26,10 @@ int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportRep
 void AddOdometryNoise(Command command, datasets::NoiseParameters& noise);
 void AddSensorNoise(Command command, datasets::NoiseParameters& noise);
 
+// Of "NAME=X,Y,DEGREES": where something sits on the robot. Throws InputError that says what is meant, such
+// as `example`.
+std::pair<std::string, Pose> ParseMount(const std::string& text, const std::string& example);
+
 inline constexpr char kUnitsAreRight[] = "--units-are-right";
 
 // --max-text-mb.
@@ -41,6 +47,8 @@ void AddOutput(Command command, Options& options) {
   command.Add("OUT.h5", options.out, "The file to write").Required();
 }
 
+// `cairn import bag`.
+void AddBagImport(Command import, Invocation& call);
 // `cairn import carmen` and the other recorded range logs.
 void AddRangeImports(Command import, Invocation& call);
 

@@ -1,11 +1,10 @@
 #include "datasets/import/recorded/ranges.h"
 
-#include <cmath>
+#include <algorithm>
+#include <array>
 #include <filesystem>
-#include <numbers>
 
 #include "coordinator/cli/commands/import/parts.h"
-#include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/output/path.h"
 #include "datasets/import/recorded/carmen.h"
 #include "datasets/import/tum.h"
@@ -20,22 +19,12 @@ struct CarmenOptions : ImportOutput {
   bool corrected = false, raw = false;
 };
 
-// SENSOR=X,Y,DEGREES
-std::pair<std::string, Pose> ParseMount(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  std::vector<double> numbers;
-  for (std::size_t at = equals; at != std::string::npos && at < text.size();) {
-    const std::size_t end = std::min(text.find(',', at + 1), text.size());
-    const auto number = ToReal(text.substr(at + 1, end - at - 1));
-    if (number && std::isfinite(*number)) numbers.push_back(*number);
-    at = end;
-  }
-  const std::string sensor = text.substr(0, std::min(equals, text.size()));
-  const bool known = sensor == "laser" || (sensor.size() == 6 && sensor.starts_with("laser") &&
-                                           sensor.back() >= '2' && sensor.back() <= '5');
-  if (numbers.size() != 3 || !known)
-    throw InputError("--mount " + text + ": what is meant is SENSOR=X,Y,DEGREES, such as laser2=-0.2,0,180");
-  return {sensor, {numbers[0], numbers[1], numbers[2] * std::numbers::pi / 180}};
+std::pair<std::string, Pose> ParseLaserMount(const std::string& text) {
+  std::pair<std::string, Pose> mount = ParseMount(text, "laser2=-0.2,0,180");
+  constexpr std::array kLasers = {"laser", "laser2", "laser3", "laser4", "laser5"};
+  if (std::ranges::find(kLasers, mount.first) == kLasers.end())
+    throw InputError("--mount " + text + ": a CARMEN log has the lasers laser, laser2 (rear), … laser5");
+  return mount;
 }
 
 int ImportCarmen(const CarmenOptions& options, const Invocation&) {
@@ -45,7 +34,7 @@ int ImportCarmen(const CarmenOptions& options, const Invocation&) {
   datasets::CarmenImportOptions import = options.import;
   if (options.corrected) import.poses = Poses::kCorrected;
   if (options.raw) import.poses = Poses::kRaw;
-  for (const std::string& mount : options.mounts) import.mounts.insert(ParseMount(mount));
+  for (const std::string& mount : options.mounts) import.mounts.insert(ParseLaserMount(mount));
   Blob log;
   const datasets::ImportReport report = datasets::ImportCarmen(import, &log);
   return StoreImport(options, log, report);

@@ -1,0 +1,65 @@
+#include "coordinator/cli/commands/import/parts.h"
+#include "coordinator/cli/output/path.h"
+#include "datasets/bag/import_bag.h"
+
+namespace cairn::cli {
+namespace {
+
+struct BagOptions : ImportOutput {
+  datasets::BagImportOptions import;
+  std::vector<std::string> mounts;
+};
+
+int ImportBag(const BagOptions& options, const Invocation&) {
+  CheckOutputIsNoInput(options.out, options.import.files);
+  for (const std::string& file : options.import.files) CheckOutputIsNotInDataset(options.out, file);
+  CheckOverwrite(options.out, options.force);
+  datasets::BagImportOptions import = options.import;
+  for (const std::string& mount : options.mounts) import.mounts.insert(ParseMount(mount, "/scan=0.1,0,180"));
+  Blob log;
+  const datasets::ImportReport report = datasets::ImportBag(import, &log);
+  return StoreImport(options, log, report);
+}
+
+void AddTopics(Command command, datasets::BagImportOptions& bag) {
+  command.Add("--odometry", bag.odometry,
+              "Topic of nav_msgs/Odometry, or of velocities (Twist); 'tf': the frame that moves on 'odom'");
+  command.Add("--scan", bag.scans, "Topic of laser scans (again: of several lasers); 'none'");
+  command.Add("--sonar", bag.sonars, "Topic of sensor_msgs/Range (again: of several; else all); 'none'");
+  command.Add("--landmarks", bag.landmarks, "Topic of detected markers, as landmarks (again: of several)");
+  command.Add("--truth", bag.truth, "Topic of poses that are the truth: Odometry, PoseStamped, Path, …");
+  command.Add("--poses", bag.poses, "Topic of poses that a program corrected (amcl's, say)");
+}
+
+}  // namespace
+
+void AddBagImport(Command import, Invocation& call) {
+  Command command;
+  const auto options = AddCommand<BagOptions>(
+      import, call, "bag", "Bags of ROS 1 and 2, without ROS: .bag, .db3, .mcap (docs/bags.md)",
+      "cairn import bag drive.bag log.h5", ImportBag, &command);
+  datasets::BagImportOptions& bag = options->import;
+  command.PlaceByChecks();  // by their endings: any number of bags, then the file to write
+  command.Add("FILE", bag.files, "A bag, or a folder of rosbag2; of a drive in several all of them")
+      .Required()
+      .Check([](const std::string& name) { return name.ends_with(".h5") ? "a bag is no .h5 file" : ""; });
+  AddTopics(command, bag);
+  command.Add("--base", bag.base, "The robot's frame in tf (else that of the odometry)");
+  command.Add("--mount", options->mounts,
+              "Where a sensor sits, TOPIC=X,Y,DEGREES or FRAME=X,Y,DEGREES on the robot (else as tf says; "
+              "again: of several)");
+  command.Add("--from", bag.from_s, "Leave out what was before so many seconds").NotNegative();
+  command.Add("--until", bag.until_s, "Leave out what was after so many seconds").NotNegative();
+  command.AddFlag("--by-receipt", bag.by_receipt,
+                  "Times are those at which the recorder had a message, not those of its header");
+  AddOdometryNoise(command, bag.noise);
+  AddSensorNoise(command, bag.noise);
+  command.AddFlag("--skip-bad", bag.skip_bad, "Skip bad messages and count them, by reason");
+  command.AddFlag(kUnitsAreRight, options->units_are_right,
+                  "Take in what no robot does (60 m/s, two turns a second), instead of asking for units");
+  command.AddFlag("--force", options->force, "Replace OUT.h5 where it is there already");
+  command.AddFlag("--json", options->json, "Say what was read, skipped and left out as JSON");
+  command.Add("OUT.h5", options->out, "The file to write").Required();
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,299 @@
+#include "datasets/bag/import_bag.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "datasets/bag/container.h"
+#include "datasets/bag/definition.h"
+#include "datasets/bag/place_sensors.h"
+#include "datasets/bag/readers.h"
+#include "schema/error.h"
+#include "schema/text.h"
+
+namespace cairn::datasets {
+namespace {
+
+using bag::Topic;
+using bag::Use;
+
+std::vector<std::unique_ptr<bag::Container>> OpenBags(const std::vector<std::string>& paths) {
+  std::vector<std::unique_ptr<bag::Container>> bags;
+  for (const std::string& path : paths)
+    for (const std::string& file : bag::BagFilesOf(path)) bags.push_back(bag::OpenContainer(file));
+  std::ranges::stable_sort(bags, {}, [](const auto& one) { return one->first_ns(); });
+  return bags;
+}
+
+// What to do with a message, or a part of a file, that cannot be used: stop, or skip and count.
+class BadMessages {
+ public:
+  explicit BadMessages(bool skips) : skips_(skips) {}
+  void Add(const std::string& where, const LineError& error) {
+    if (!skips_)
+      throw InputError(where + ": " + error.reason +
+                       (error.detail.empty() ? "" : ": " + Excerpt(error.detail)) +
+                       " (--skip-bad skips such messages and counts them)");
+    ++counts_[error.reason];
+    ++skipped_;
+  }
+  std::int64_t skipped() const { return skipped_; }
+  const std::map<std::string, std::int64_t>& counts() const { return counts_; }
+
+ private:
+  bool skips_;
+  std::int64_t skipped_ = 0;
+  std::map<std::string, std::int64_t> counts_;
+};
+
+// A topic that is read: by whom, and how far it has come.
+struct TopicInHand {
+  std::string name, type;
+  std::unique_ptr<bag::TopicReader> reader;
+  bag::TopicClock clock;
+  std::int64_t taken = 0;
+};
+
+// One channel of one file: its messages, decoded.
+struct ChannelInHand {
+  TopicInHand* topic = nullptr;
+  std::unique_ptr<bag::MessageReader> reader;
+};
+
+class BagImport {
+ public:
+  explicit BagImport(const BagImportOptions& options) : options_(options), bad_(options.skip_bad) {}
+
+  ImportReport Run(Blob* log) {
+    CheckNoise(options_.noise);
+    bags_ = OpenBags(options_.files);
+    topics_ = bag::TopicsOf(bags_);
+    SetClock();
+    ChooseTopics();
+    for (const auto& one : bags_) ReadBag(one.get());
+    CheckSkipped();
+    bag::Gathered& gathered = gathered_;
+    gathered.noise = options_.noise;
+    gathered.base = options_.base;
+    gathered.mounts = options_.mounts;
+    gathered.path = bags_.size() == 1 ? bags_.front()->path() : options_.files.front() + " and others";
+    gathered.topics = topics_;
+    WarnOfClocks();
+    ImportReport made = bag::MakeBagLog(std::move(gathered_), std::move(report_), log);
+    made.skipped = bad_.counts();
+    return made;
+  }
+
+ private:
+  void SetClock() {
+    clock_.by_receipt = options_.by_receipt;
+    // Of times as the log has them none is so small, of drives none so long.
+    constexpr double kLeastTime_s = 1e8;
+    const double first_s = bags_.empty() ? 0 : bag::SecondsOf(bags_.front()->first_ns());
+    const auto time = [&](double given_s) { return given_s < kLeastTime_s ? first_s + given_s : given_s; };
+    if (options_.from_s) clock_.from_s = time(*options_.from_s);
+    if (options_.until_s) clock_.until_s = time(*options_.until_s);
+  }
+
+  void Add(const Topic& topic, std::unique_ptr<bag::TopicReader> reader) {
+    for (const TopicInHand& other : in_hand_)
+      if (other.name == topic.name && other.type == topic.type)
+        throw InputError("the topic " + topic.name + " is named twice");
+    in_hand_.push_back({topic.name, topic.type, std::move(reader), bag::TopicClock(clock_), 0});
+  }
+
+  void ChooseTopics() {
+    in_hand_.reserve(topics_.size());  // channels point into it
+    ChooseOdometry();
+    for (const Topic& topic : topics_)
+      if (topic.use != nullptr && topic.use->use == Use::kTransforms)
+        Add(topic, bag::ReadTransforms(&gathered_.frames));
+    ChooseScans(Use::kScan, "--scan", options_.scans);
+    ChooseScans(Use::kCone, "--sonar", options_.sonars);
+    for (const auto& [option, name, rows] : {std::tuple{"--truth", &options_.truth, &gathered_.truth},
+                                             std::tuple{"--poses", &options_.poses, &gathered_.poses}}) {
+      if (name->empty()) continue;
+      const Topic& topic = bag::FindTopic(topics_, *name, {Use::kPose, Use::kOdometry}, option);
+      Add(topic, bag::ReadPoses(topic.type, rows));
+    }
+    for (const std::string& name : options_.landmarks) {
+      const Topic& topic = bag::FindTopic(topics_, name, {Use::kLandmarks}, "--landmarks");
+      Add(topic, bag::ReadLandmarks(topic.type, &gathered_.landmarks));
+    }
+  }
+
+  void ChooseOdometry() {
+    gathered_.odometry_topic = options_.odometry;
+    if (options_.odometry == "tf") return;
+    const Topic* topic = nullptr;
+    if (!options_.odometry.empty()) {
+      topic = &bag::FindTopic(topics_, options_.odometry, {Use::kOdometry, Use::kVelocity}, "--odometry");
+    } else {
+      topic = bag::OnlyTopic(WithoutPoses(), Use::kOdometry, "--odometry");
+      if (topic == nullptr) {
+        gathered_.odometry_topic = "tf";
+        return;
+      }
+      topic = &bag::FindTopic(topics_, topic->name, {Use::kOdometry}, "--odometry");
+    }
+    gathered_.odometry_topic = topic->name;
+    Add(*topic, topic->use->use == Use::kOdometry ? bag::ReadOdometry(&gathered_.odometry)
+                                                  : bag::ReadVelocity(topic->type, &gathered_.odometry));
+  }
+
+  // What is named as the truth is no odometry to choose from.
+  const std::vector<Topic>& WithoutPoses() {
+    others_.clear();
+    for (const Topic& topic : topics_)
+      if (topic.name != options_.truth && topic.name != options_.poses) others_.push_back(topic);
+    return others_;
+  }
+
+  void ChooseScans(Use use, const char* option, const std::vector<std::string>& names) {
+    if (names.size() == 1 && names.front() == "none") return;
+    std::vector<const Topic*> chosen;
+    for (const std::string& name : names) chosen.push_back(&bag::FindTopic(topics_, name, {use}, option));
+    if (names.empty() && use == Use::kScan) {
+      if (const Topic* only = bag::OnlyTopic(topics_, use, option)) chosen.push_back(only);
+    } else if (names.empty()) {
+      for (const Topic& topic : topics_)  // a ring is of several
+        if (topic.use != nullptr && topic.use->use == use && topic.messages > 0) chosen.push_back(&topic);
+    }
+    std::vector<std::unique_ptr<bag::ScanTopic>>& scans =
+        use == Use::kScan ? gathered_.scans : gathered_.sonars;
+    for (const Topic* topic : chosen) {
+      scans.push_back(std::make_unique<bag::ScanTopic>());
+      scans.back()->topic = topic->name;
+      Add(*topic, bag::ReadScans(topic->type, scans.back().get()));
+    }
+  }
+
+  // Readers of a file's channels; of those that are not wanted none.
+  std::vector<ChannelInHand> ReadersOf(const bag::Container& file) {
+    std::vector<ChannelInHand> readers;
+    for (const bag::Channel& channel : file.channels()) {
+      ChannelInHand& reader = readers.emplace_back();
+      const auto topic = std::ranges::find_if(in_hand_, [&](const TopicInHand& one) {
+        return one.name == channel.topic && one.type == channel.type;
+      });
+      if (topic == in_hand_.end()) continue;
+      try {
+        reader.reader = ReaderOf(channel, *topic->reader);
+        reader.topic = &*topic;
+      } catch (const bag::Damage& damage) {
+        bad_.Add(file.path() + ": " + channel.topic, {"a definition that cannot be used", damage.what});
+      }
+    }
+    return readers;
+  }
+
+  static std::unique_ptr<bag::MessageReader> ReaderOf(const bag::Channel& channel,
+                                                      const bag::TopicReader& topic) {
+    if (channel.wire == bag::Wire::kOther)
+      throw bag::Damage{"messages encoded as '" + Printable(channel.encoding, 40) +
+                        "'; known are ros1 and cdr"};
+    std::string_view text = channel.definition;
+    if (text.empty()) text = bag::KnownDefinition(channel.type);
+    if (text.empty())
+      throw bag::Damage{"the file does not say what a " + channel.type +
+                        " is made of, as those of ROS 2 before Iron do not, and Cairn does not know it"};
+    const std::vector<std::string> paths = topic.paths();
+    auto reader =
+        std::make_unique<bag::MessageReader>(bag::ParseDefinition(channel.type, text), channel.wire, paths);
+    for (std::size_t i = 0; i < topic.needed(); ++i)
+      if (!reader->Has(i)) throw bag::Damage{"its " + channel.type + " has no field '" + paths[i] + "'"};
+    return reader;
+  }
+
+  void ReadBag(bag::Container* one) {
+    std::vector<ChannelInHand> readers = ReadersOf(*one);
+    std::vector<bool> wanted;
+    for (const ChannelInHand& reader : readers) wanted.push_back(reader.topic != nullptr);
+    for (const std::string& remark : one->remarks()) report_.warnings.push_back(one->path() + ": " + remark);
+    const auto take = [&](const bag::Message& message) {
+      TakeMessage(*one, &readers[message.channel], message);
+    };
+    one->Read(wanted, take, [&](const std::string& what) {
+      bad_.Add(one->path() + ": " + LastMessage(), {"part of a file that cannot be read", what});
+    });
+  }
+
+  std::string LastMessage() const {
+    if (last_topic_ == nullptr) return "before the first message";
+    return "after message " + std::to_string(last_number_) + " of " + last_topic_->name;
+  }
+
+  void TakeMessage(const bag::Container& one, ChannelInHand* channel, const bag::Message& message) {
+    TopicInHand& topic = *channel->topic;
+    last_topic_ = &topic;
+    last_number_ = message.number;
+    try {
+      topic.reader->Take(channel->reader->Read(message.bytes), message, &topic.clock);
+      ++topic.taken;
+    } catch (const bag::Damage& damage) {
+      BadMessage(one, topic, message, {"a message that does not match its definition", damage.what});
+    } catch (const LineError& error) {
+      BadMessage(one, topic, message, error);
+    }
+  }
+
+  void BadMessage(const bag::Container& one, const TopicInHand& topic, const bag::Message& message,
+                  const LineError& error) {
+    bad_.Add(one.path() + ": message " + std::to_string(message.number) + " of " + topic.name, error);
+  }
+
+  // What --skip-bad leaves of a file is seldom what its maker meant, where it is less than half.
+  void CheckSkipped() {
+    std::int64_t taken = 0;
+    for (const TopicInHand& topic : in_hand_) {
+      taken += topic.taken;
+      if (topic.taken > 0) report_.read["messages of " + topic.name] = topic.taken;
+    }
+    if (bad_.skipped() <= taken) return;
+    std::string reasons;
+    for (const auto& [reason, count] : bad_.counts())
+      reasons += (reasons.empty() ? "" : ", ") + reason + " (" + std::to_string(count) + ")";
+    throw InputError(options_.files.front() + ": --skip-bad leaves " + std::to_string(taken) + " of " +
+                     std::to_string(taken + bad_.skipped()) + " messages, less than half; skipped: " +
+                     reasons + ". Without --skip-bad the first such message is named");
+  }
+
+  // Topics whose headers were written by other clocks than the odometry's.
+  void WarnOfClocks() {
+    constexpr double kMostApart_s = 0.1;
+    if (options_.by_receipt || in_hand_.empty()) return;
+    const auto first =
+        std::ranges::find_if(in_hand_, [](const auto& t) { return t.clock.least_delay_s().has_value(); });
+    if (first == in_hand_.end()) return;
+    for (const TopicInHand& topic : in_hand_) {
+      if (!topic.clock.least_delay_s()) continue;
+      const double apart_s = *topic.clock.least_delay_s() - *first->clock.least_delay_s();
+      if (std::abs(apart_s) <= kMostApart_s) continue;
+      report_.warnings.push_back(topic.name + ": the clock of its headers is " +
+                                 std::to_string(std::abs(apart_s)) + " s " +
+                                 (apart_s > 0 ? "behind" : "ahead of") + " that of " + first->name +
+                                 ", by when the recorder had their messages; --by-receipt takes its times");
+    }
+  }
+
+  const BagImportOptions& options_;
+  BadMessages bad_;
+  ImportReport report_;
+  std::vector<std::unique_ptr<bag::Container>> bags_;
+  std::vector<Topic> topics_, others_;
+  bag::ClockOptions clock_;
+  std::vector<TopicInHand> in_hand_;
+  bag::Gathered gathered_;
+  const TopicInHand* last_topic_ = nullptr;
+  std::uint64_t last_number_ = 0;
+};
+
+}  // namespace
+
+ImportReport ImportBag(const BagImportOptions& options, Blob* log) { return BagImport(options).Run(log); }
+
+}  // namespace cairn::datasets

@@ -1,0 +1,262 @@
+// MCAP (mcap.dev/spec): records of an opcode, a length in eight bytes and contents; messages by themselves or
+// in chunks; behind them, where the writer came to an end, a summary: channels, and where each chunk lies.
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "datasets/bag/container.h"
+#include "datasets/bag/unpack.h"
+#include "datasets/bag/window_file.h"
+
+namespace cairn::datasets::bag {
+namespace {
+
+constexpr std::string_view kMcapMagic{"\x89MCAP0\r\n", 8};
+enum McapOp : std::uint8_t {
+  kMcapFooter = 2,
+  kMcapSchema = 3,
+  kMcapChannel = 4,
+  kMcapMessage = 5,
+  kMcapChunk = 6,
+  kMcapChunkIndex = 8,
+  kMcapStatistics = 11,
+  kMcapDataEnd = 15,
+};
+constexpr std::uint64_t kRecordHead = 9;
+
+struct Schema {
+  std::string name, encoding, text;
+};
+
+struct McapChunk {
+  std::uint64_t at = 0;
+  std::vector<std::uint16_t> channels;  // empty: not said
+};
+
+class Mcap : public Container {
+ public:
+  explicit Mcap(const std::string& path) : Container(path), file_(path) {
+    if (AsText(file_.View(0, std::min<std::uint64_t>(kMcapMagic.size(), file_.size()))) != kMcapMagic)
+      throw Damage{"an MCAP file of another version than 0"};
+    if (ReadSummary()) return;
+    ForgetChannels();
+    schemas_.clear();
+    ids_.clear();
+    chunks_.clear();
+    indexed_ = false;
+    remarks_.emplace_back("it has no summary, or no index (the recorder was cut off?): read as a whole");
+    Walk([](const Message&) {}, [](const std::string&) {}, true);
+  }
+
+  std::string what() const override { return "an MCAP file"; }
+
+  void Read(const std::vector<bool>& wanted, const Take& take, const Broken& broken) override {
+    wanted_ = &wanted;
+    numbers_.assign(channels().size(), 0);
+    if (!indexed_) return Walk(take, broken, false);
+    for (const McapChunk& chunk : chunks_) {
+      const bool any = chunk.channels.empty() || std::ranges::any_of(chunk.channels, [&](std::uint16_t id) {
+                         const auto channel = ids_.find(id);
+                         return channel == ids_.end() || wanted[channel->second];
+                       });
+      if (any) TryRecord(chunk.at, take, broken);
+    }
+  }
+
+ private:
+  struct Record {
+    std::uint8_t op = 0;
+    std::uint64_t at = 0, bytes = 0, end = 0;
+  };
+  Record RecordAt(std::uint64_t at) {
+    ByteReader in(file_.View(at, kRecordHead), "a record");
+    Record record;
+    record.op = in.Take<std::uint8_t>();
+    record.bytes = in.Take<std::uint64_t>();
+    record.at = at + kRecordHead;
+    if (record.bytes > file_.size() - record.at) throw Damage{"the file ends within it"};
+    record.end = record.at + record.bytes;
+    return record;
+  }
+
+  // False where there is none, or it does not say all that is needed.
+  bool ReadSummary() {
+    constexpr std::uint64_t kFooterBytes = 20, kTail = kRecordHead + kFooterBytes + 8;
+    try {
+      if (file_.size() < kMcapMagic.size() + kTail) return false;
+      if (AsText(file_.View(file_.size() - 8, 8)) != kMcapMagic) return false;
+      const std::uint64_t footer_at = file_.size() - kTail;
+      const Record footer = RecordAt(footer_at);
+      if (footer.op != kMcapFooter || footer.bytes != kFooterBytes) return false;
+      ByteReader in(file_.View(footer.at, footer.bytes), "the footer");
+      const auto summary_at = in.Take<std::uint64_t>();
+      if (summary_at < kMcapMagic.size() || summary_at >= footer_at) return false;
+      for (std::uint64_t at = summary_at; at < footer_at;) {
+        const Record record = RecordAt(at);
+        at = record.end;
+        ReadSummaryRecord(record);
+      }
+    } catch (const Damage&) {
+      return false;
+    }
+    std::ranges::sort(chunks_, {}, &McapChunk::at);
+    const bool repeated = std::ranges::adjacent_find(chunks_, {}, &McapChunk::at) != chunks_.end();
+    return !repeated && has_statistics_ && chunks_.size() == chunk_count_ &&
+           message_counts_ == message_count_;
+  }
+
+  void ReadSummaryRecord(const Record& record) {
+    switch (record.op) {
+      case kMcapSchema:
+      case kMcapChannel:
+        ReadDefinition(record.op, file_.View(record.at, record.bytes));
+        break;
+      case kMcapChunkIndex: {
+        ByteReader in(file_.View(record.at, record.bytes), "a chunk's index");
+        in.Bytes(16);  // its first and last time
+        McapChunk chunk{in.Take<std::uint64_t>(), {}};
+        in.Bytes(8);
+        for (ByteReader offsets(in.Block(), "a chunk's index"); offsets.left() > 0; offsets.Bytes(8))
+          chunk.channels.push_back(offsets.Take<std::uint16_t>());
+        chunks_.push_back(std::move(chunk));
+        break;
+      }
+      case kMcapStatistics:
+        ReadStatistics(file_.View(record.at, record.bytes));
+        break;
+      default:
+        break;
+    }
+  }
+
+  void ReadStatistics(ByteSpan bytes) {
+    ByteReader in(bytes, "the statistics");
+    message_count_ = in.Take<std::uint64_t>();
+    in.Bytes(2 + 4 + 4 + 4);  // schemas, channels, attachments, metadata
+    chunk_count_ = in.Take<std::uint32_t>();
+    const auto first = in.Take<std::int64_t>();
+    Cover(first, in.Take<std::int64_t>());
+    for (ByteReader counts(in.Block(), "the statistics"); counts.left() > 0;) {
+      const auto id = counts.Take<std::uint16_t>();
+      const auto messages = counts.Take<std::uint64_t>();
+      const auto channel = ids_.find(id);
+      if (channel == ids_.end()) throw Damage{"statistics of a channel that is not there"};
+      Count(channel->second, messages);
+      message_counts_ += messages;
+    }
+    // Messages outside of chunks have no index.
+    has_statistics_ = message_count_ == 0 || chunk_count_ > 0;
+  }
+
+  void ReadDefinition(std::uint8_t op, ByteSpan bytes) {
+    ByteReader in(bytes, op == kMcapSchema ? "a schema" : "a channel");
+    const auto id = in.Take<std::uint16_t>();
+    if (op == kMcapSchema) {
+      Schema& schema = schemas_[id];
+      schema.name = in.Text();
+      schema.encoding = in.Text();
+      schema.text = in.Text();
+      return;
+    }
+    if (ids_.contains(id)) return;
+    const auto schema = schemas_.find(in.Take<std::uint16_t>());
+    Channel channel;
+    channel.topic = in.Text();
+    channel.encoding = in.Text();
+    channel.wire = channel.encoding == "cdr"    ? Wire::kCdr
+                   : channel.encoding == "ros1" ? Wire::kRos1
+                                                : Wire::kOther;
+    if (schema != schemas_.end()) {
+      channel.type = TypeName(schema->second.name);
+      if (schema->second.encoding == "ros1msg" || schema->second.encoding == "ros2msg")
+        channel.definition = schema->second.text;
+    }
+    ids_[id] = FindOrAdd(std::move(channel));
+  }
+
+  void Walk(const Take& take, const Broken& broken, bool count) {
+    counts_ = count;
+    for (std::uint64_t at = kMcapMagic.size(); at < file_.size();) {
+      std::uint64_t next = 0;  // of the record behind it, where that is known
+      try {
+        const Record record = RecordAt(at);
+        if (record.op == kMcapDataEnd || record.op == kMcapFooter) break;
+        next = record.end;
+        ReadRecord(record, take);
+      } catch (const Damage& damage) {
+        broken("byte " + std::to_string(at) + ": " + damage.what);
+        if (next == 0) break;
+      }
+      at = next;
+    }
+    counts_ = false;
+  }
+
+  void TryRecord(std::uint64_t at, const Take& take, const Broken& broken) {
+    try {
+      const Record record = RecordAt(at);
+      if (record.op != kMcapChunk) throw Damage{"no chunk, where the index says that one is"};
+      ReadRecord(record, take);
+    } catch (const Damage& damage) {
+      broken("byte " + std::to_string(at) + ": " + damage.what);
+    }
+  }
+
+  void ReadRecord(const Record& record, const Take& take) {
+    if (record.op == kMcapChunk)
+      ReadChunk(file_.View(record.at, record.bytes), take);
+    else if (record.op == kMcapMessage)
+      TakeMessage(file_.View(record.at, record.bytes), take);
+    else if (record.op == kMcapSchema || record.op == kMcapChannel)
+      ReadDefinition(record.op, file_.View(record.at, record.bytes));
+  }
+
+  void ReadChunk(ByteSpan bytes, const Take& take) {
+    ByteReader head(bytes, "a chunk");
+    head.Bytes(16);  // its first and last time
+    const auto size = head.Take<std::uint64_t>();
+    head.Bytes(4);  // a checksum
+    const std::string how = head.Text();
+    const ByteSpan records = unpacker_.Unpack(how, head.Bytes(head.Take<std::uint64_t>()), size);
+    for (ByteReader in(records, "a record of a chunk"); in.left() > 0;) {
+      const auto op = in.Take<std::uint8_t>();
+      const ByteSpan record = in.Bytes(in.Take<std::uint64_t>());
+      if (op == kMcapMessage)
+        TakeMessage(record, take);
+      else if (op == kMcapSchema || op == kMcapChannel)
+        ReadDefinition(op, record);
+    }
+  }
+
+  void TakeMessage(ByteSpan bytes, const Take& take) {
+    ByteReader in(bytes, "a message");
+    const auto channel = ids_.find(in.Take<std::uint16_t>());
+    if (channel == ids_.end()) throw Damage{"a message of a channel that is not there"};
+    in.Bytes(4);  // its number
+    const auto time_ns = in.Take<std::int64_t>();
+    in.Bytes(8);  // when it was sent
+    if (counts_) {
+      Count(channel->second, 1);
+      Cover(time_ns, time_ns);
+    } else if (channel->second < wanted_->size() && (*wanted_)[channel->second]) {
+      take({channel->second, ++numbers_[channel->second], time_ns, in.Bytes(in.left())});
+    }
+  }
+
+  WindowFile file_;
+  Unpacker unpacker_;
+  std::map<std::uint16_t, Schema> schemas_;
+  std::map<std::uint16_t, std::size_t> ids_;  // their channels
+  std::vector<McapChunk> chunks_;
+  std::uint64_t message_count_ = 0, message_counts_ = 0, chunk_count_ = 0;
+  bool has_statistics_ = false, indexed_ = true, counts_ = false;
+  const std::vector<bool>* wanted_ = nullptr;
+  std::vector<std::uint64_t> numbers_;  // of each channel, of messages taken
+};
+
+}  // namespace
+
+std::unique_ptr<Container> OpenMcap(const std::string& path) { return std::make_unique<Mcap>(path); }
+
+}  // namespace cairn::datasets::bag

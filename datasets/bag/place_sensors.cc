@@ -1,0 +1,255 @@
+#include "datasets/bag/place_sensors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "schema/error.h"
+#include "schema/text.h"
+
+namespace cairn::datasets::bag {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+Transform Level(const Pose& pose) {
+  return {pose.x_m, pose.y_m, 0, 0, 0, std::sin(pose.heading_rad / 2), std::cos(pose.heading_rad / 2)};
+}
+
+class BagLog {
+ public:
+  BagLog(Gathered gathered, ImportReport report) : in_(std::move(gathered)), report_(std::move(report)) {}
+
+  ImportReport Make(Blob* log) {
+    ranges_.path = in_.path + ": " + in_.odometry_topic;
+    ranges_.before_line = ", message ";
+    if (in_.odometry_topic == "tf") TakeOdometryOfFrames();
+    ChooseBase();
+    for (const PoseRow& row : in_.odometry.poses) AddPose(row, &RangeEvent::odometry);
+    for (const PoseRow& row : in_.truth) AddPose(row, &RangeEvent::truth);
+    for (const PoseRow& row : in_.poses) AddPose(row, &RangeEvent::corrected);
+    TakeNoiseOfCovariances();
+    for (const auto& scan : in_.scans) AddLaser(scan.get());
+    AddRing("sonar", false);
+    AddRing("infrared", true);
+    for (const Sighting& seen : in_.landmarks) AddLandmark(seen);
+    // Topics come one after the other; MakeRangeLog wants them in the order of time, as far as that goes.
+    std::ranges::stable_sort(ranges_.events, {}, &RangeEvent::stamp_s);
+    BadLines none(true);
+    return MakeRangeLog(std::move(ranges_), in_.noise, &none, std::move(report_), log);
+  }
+
+ private:
+  void TakeOdometryOfFrames() {
+    auto moving = in_.frames.MovingOn("odom");
+    if (!in_.base.empty()) std::erase_if(moving, [&](const auto& one) { return one.second != in_.base; });
+    if (moving.empty()) {
+      if (!in_.poses.empty()) return;
+      const std::string velocities = TopicList(in_.topics, {Use::kVelocity});
+      throw InputError(
+          in_.path + ": no odometry: neither a topic of nav_msgs/Odometry nor a frame that moves on " +
+          "'odom' in tf" +
+          (velocities.empty() ? std::string() : "; --odometry TOPIC takes velocities: " + velocities));
+    }
+    if (moving.size() > 1) {
+      std::vector<std::string> names;
+      for (const auto& [parent, child] : moving) names.push_back(child);
+      throw InputError(in_.path + ": several frames move on 'odom': " + NameList(names) +
+                       "; --base FRAME says which of them the robot is");
+    }
+    in_.odometry.frame = moving.front().first;
+    in_.odometry.base = moving.front().second;
+    std::size_t number = 0;
+    for (const TimedPose& pose : in_.frames.TrackOf(in_.odometry.base))
+      if (pose.time_s > 0) in_.odometry.poses.push_back({pose.time_s, ++number, pose.pose});
+    report_.read["transforms of " + in_.odometry.base + " on " + in_.odometry.frame + ", as odometry"] =
+        static_cast<std::int64_t>(number);
+  }
+
+  void ChooseBase() {
+    if (in_.base.empty()) in_.base = in_.odometry.base;
+    for (const char* usual : {"base_link", "base_footprint"})
+      if (in_.base.empty() && in_.frames.Knows(usual)) in_.base = usual;
+  }
+
+  void AddPose(const PoseRow& row, std::optional<Pose> RangeEvent::* which) {
+    RangeEvent event;
+    event.line = row.number;
+    event.stamp_s = row.time_s;
+    event.*which = row.pose;
+    ranges_.events.push_back(std::move(event));
+  }
+
+  // What a filter says of its heading grows with the way, where the filter knows nothing but odometry.
+  void TakeNoiseOfCovariances() {
+    if (in_.odometry.poses.empty() || in_.odometry_topic == "tf" || in_.noise.heading_walk_rad_per_sqrt_m)
+      return;
+    double way_m = 0;
+    const std::vector<PoseRow>& poses = in_.odometry.poses;
+    for (std::size_t i = 1; i < poses.size(); ++i)
+      way_m +=
+          DistanceM({poses[i].pose.x_m, poses[i].pose.y_m}, {poses[i - 1].pose.x_m, poses[i - 1].pose.y_m});
+    constexpr double kLeastWay_m = 5, kMostVariance = 10, kLeastWalk = 1e-3, kMostWalk = 0.3;
+    const double first = in_.odometry.first_variance, last = in_.odometry.last_variance;
+    const double walk = std::sqrt((last - first) / way_m);
+    if (way_m > kLeastWay_m && first >= 0 && last < kMostVariance && walk > kLeastWalk && walk < kMostWalk) {
+      in_.noise.heading_walk_rad_per_sqrt_m = walk;
+      report_.warnings.push_back(in_.odometry_topic + ": its covariances give the heading's random walk: " +
+                                 std::to_string(walk) + " rad in a metre");
+      return;
+    }
+    const std::string why = first == 0 && last == 0 ? "are zero"
+                            : last >= kMostVariance || first >= kMostVariance || first < 0
+                                ? "are of no heading (" + std::to_string(last) + " rad^2)"
+                            : first == last ? "do not change"
+                                            : "do not grow with the way as those of odometry do";
+    if (way_m > kLeastWay_m)
+      report_.warnings.push_back(in_.odometry_topic + ": its covariances " + why +
+                                 ": no noise is taken from them");
+  }
+
+  // Where what lies in `frame` lies on the robot. Throws InputError where nothing says so.
+  Transform MountOf(const std::string& topic, const std::string& frame) {
+    for (const std::string& name : {topic, frame})
+      if (const auto given = in_.mounts.find(name); given != in_.mounts.end()) return Level(given->second);
+    if (frame == in_.base) return {};
+    if (frame.empty()) {
+      WarnOnce(topic +
+               ": its headers name no frame: it is taken to sit in the robot's middle, looking ahead; " +
+               "--mount " + topic + "=X,Y,DEGREES says where it does");
+      return {};
+    }
+    const auto mount = in_.frames.Find(in_.base, frame);
+    if (!mount)
+      throw InputError(in_.path + ": " + topic + " is of the frame '" + Printable(frame, 80) +
+                       "', and no tf says where that is on '" + Printable(in_.base, 80) + "'" +
+                       (in_.frames.size() == 0 ? " (there is no tf at all)" : "") + ": --mount " + topic +
+                       "=X,Y,DEGREES says it");
+    if (!mount->moves.empty())
+      WarnOnce(topic + ": " + NameList(mount->moves) + " moves on the robot: where it was first counts");
+    return mount->transform;
+  }
+
+  void WarnOnce(const std::string& warning) {
+    if (warned_.insert(warning).second) report_.warnings.push_back(warning);
+  }
+
+  static void AddBeam(const Transform& mount, double angle_rad, RangeRows* rows, double* steepest) {
+    rows->beam_x_m.push_back(mount.x);
+    rows->beam_y_m.push_back(mount.y);
+    if (mount.IsLevel()) {
+      rows->beam_heading_rad.push_back(NormalizedAngle(mount.Yaw() + angle_rad));
+      return;
+    }
+    const PointInSpace tip = Apply(mount, {std::cos(angle_rad), std::sin(angle_rad), 0});
+    rows->beam_heading_rad.push_back(std::atan2(tip.y - mount.y, tip.x - mount.x));
+    *steepest = std::max(*steepest, std::asin(std::min(1.0, std::abs(tip.z - mount.z))));
+  }
+
+  void WarnOfTilt(const std::string& topic, double steepest) {
+    constexpr double kMost = 5 * kDegree;
+    if (steepest > kMost)
+      WarnOnce(topic + ": its beams point up or down by as much as " +
+               std::to_string(static_cast<int>(std::lround(steepest / kDegree))) +
+               " degrees: they are taken for level ones");
+  }
+
+  void AddLaser(ScanTopic* scan) {
+    if (scan->events.empty()) return;
+    constexpr std::size_t kMostLasers = 5;
+    if (lasers_ == kMostLasers) throw InputError("a log has at most five lasers; --scan names which");
+    RangeRows rows;
+    rows.sensor = lasers_ == 0 ? "laser" : "laser" + std::to_string(lasers_ + 1);
+    ++lasers_;
+    rows.max_range_m = scan->max_range_m;
+    const Transform mount = MountOf(scan->topic, scan->frame);
+    double steepest = 0;
+    for (std::size_t beam = 0; beam < scan->beams; ++beam)
+      AddBeam(mount, scan->first_rad + static_cast<double>(beam) * scan->step_rad, &rows, &steepest);
+    WarnOfTilt(scan->topic, steepest);
+    for (RangeEvent& event : scan->events) {
+      event.sensor = ranges_.sensors.size();
+      ranges_.events.push_back(std::move(event));
+    }
+    scan->events = {};
+    ranges_.sensors.push_back(std::move(rows));
+  }
+
+  // A round is over when each sensor has said something; what one says twice in it counts as it said it last.
+  void AddRing(const char* name, bool is_infrared) {
+    struct Reading {
+      double time_s;
+      std::size_t beam, number;
+      double range_m;
+    };
+    RangeRows rows;
+    rows.sensor = name;
+    std::vector<Reading> readings;
+    double steepest = 0;
+    for (const auto& sonar : in_.sonars) {
+      if (sonar->is_infrared != is_infrared || sonar->events.empty()) continue;
+      const std::size_t beam = rows.beam_x_m.size();
+      AddBeam(MountOf(sonar->topic, sonar->frame), 0, &rows, &steepest);
+      WarnOfTilt(sonar->topic, steepest);
+      if (beam > 0 && rows.opening_rad != sonar->opening_rad)
+        WarnOnce(sonar->topic + ": its cone is not as wide as that of the first of the ring, which counts");
+      if (beam == 0) rows.opening_rad = sonar->opening_rad;
+      rows.max_range_m = std::max(rows.max_range_m, sonar->max_range_m);
+      for (const RangeEvent& event : sonar->events) {
+        const double range_m = event.range_m.front();
+        readings.push_back(
+            {event.stamp_s, beam, event.line,
+             range_m < sonar->max_range_m ? range_m : std::numeric_limits<double>::quiet_NaN()});
+      }
+    }
+    if (readings.empty()) return;
+    std::ranges::stable_sort(readings, {}, &Reading::time_s);
+    const std::size_t beams = rows.beam_x_m.size();
+    std::vector<double> round(beams);
+    std::set<std::size_t> heard;
+    for (const Reading& reading : readings) {
+      round[reading.beam] = reading.range_m;
+      if (!heard.insert(reading.beam).second)
+        ++report_.dropped["readings of " + rows.sensor + ", of one that spoke again before all had spoken"];
+      if (heard.size() < beams) continue;
+      RangeEvent event;
+      event.line = reading.number;
+      event.stamp_s = reading.time_s;
+      event.sensor = ranges_.sensors.size();
+      event.range_m = round;
+      ranges_.events.push_back(std::move(event));
+      heard.clear();
+    }
+    ranges_.sensors.push_back(std::move(rows));
+  }
+
+  void AddLandmark(const Sighting& seen) {
+    const auto [mount, is_new] = cameras_.try_emplace(seen.frame);
+    if (is_new) mount->second = MountOf("--landmarks", seen.frame);
+    const PointInSpace at = Apply(mount->second, seen.point);
+    RangeEvent event;
+    event.line = seen.number;
+    event.stamp_s = seen.time_s;
+    event.landmark = {seen.name, std::hypot(at.x, at.y), std::atan2(at.y, at.x)};
+    ranges_.events.push_back(std::move(event));
+  }
+
+  Gathered in_;
+  ImportReport report_;
+  RangeLog ranges_;
+  std::size_t lasers_ = 0;
+  std::map<std::string, Transform> cameras_;  // by frame
+  std::set<std::string> warned_;
+};
+
+}  // namespace
+
+ImportReport MakeBagLog(Gathered gathered, ImportReport report, Blob* log) {
+  return BagLog(std::move(gathered), std::move(report)).Make(log);
+}
+
+}  // namespace cairn::datasets::bag

@@ -1,0 +1,32 @@
+// From what was read of bags to a log: which odometry, where each sensor sits, rounds of a ring of sonars.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "datasets/bag/readers.h"
+#include "datasets/import/log_rows.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets::bag {
+
+struct Gathered {
+  std::string path;  // for messages
+  NoiseParameters noise;
+  std::string odometry_topic;          // "tf": that of a frame which moves on "odom"
+  std::string base;                    // the robot's frame; empty: that of the odometry
+  std::map<std::string, Pose> mounts;  // by topic or frame
+  OdometryRows odometry;
+  FrameTree frames;
+  std::vector<std::unique_ptr<ScanTopic>> scans, sonars;
+  std::vector<PoseRow> truth, poses;
+  std::vector<Sighting> landmarks;
+  std::vector<Topic> topics;  // all that there are
+};
+
+// As ImportBag says (import_bag.h).
+ImportReport MakeBagLog(Gathered gathered, ImportReport report, Blob* log);
+
+}  // namespace cairn::datasets::bag

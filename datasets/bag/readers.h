@@ -1,0 +1,99 @@
+// What is taken from the messages of one topic, by the kind of use.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/bag/frames.h"
+#include "datasets/bag/message_reader.h"
+#include "datasets/bag/topics.h"
+#include "datasets/common/fields.h"
+#include "datasets/import/recorded/range_log.h"
+
+namespace cairn::datasets::bag {
+
+// Which time a message counts at, and what is known of the clock by which its header was written.
+struct ClockOptions {
+  bool by_receipt = false;  // by the recorder's clock, not by the header
+  double from_s = -std::numeric_limits<double>::infinity(), until_s = std::numeric_limits<double>::infinity();
+};
+
+class TopicClock {
+ public:
+  explicit TopicClock(const ClockOptions& options) : options_(options) {}
+  // Nothing where the message is before --from or after --until. `header`: the stamp's numbers; empty where
+  // the message has none. Throws LineError: the stamp is zero, or more than a second behind one before it.
+  std::optional<double> At(const std::vector<double>& header, std::int64_t receive_ns);
+  // The same of a time that was looked at already.
+  std::optional<double> WithinPath(double time_s) const;
+  // Of a transform, which may be of any time.
+  double TransformTime(double header_s, std::int64_t receive_ns) const;
+  // By how much the recorder's clock is ahead of the header's, or a message underway, at the least; nothing
+  // where no header was looked at.
+  std::optional<double> least_delay_s() const { return least_delay_s_; }
+
+ private:
+  const ClockOptions& options_;
+  double latest_s_ = -std::numeric_limits<double>::infinity();
+  std::optional<double> least_delay_s_;
+};
+
+// Scans of one topic before it is known where its sensor sits.
+struct ScanTopic {
+  std::string topic, frame;
+  double first_rad = 0, step_rad = 0;  // of its beams
+  double opening_rad = 0, max_range_m = 0;
+  bool is_infrared = false;
+  std::size_t beams = 0;
+  std::vector<RangeEvent> events;  // without a sensor
+};
+
+// A marker that was seen, before it is known where the camera sits.
+struct Sighting {
+  double time_s = 0;
+  std::size_t number = 0;
+  std::string name;
+  PointInSpace point;  // in `frame`
+  std::string frame;
+};
+
+// A pose of a topic, in the order of messages.
+struct PoseRow {
+  double time_s = 0;
+  std::size_t number = 0;
+  Pose pose;
+};
+
+class TopicReader {
+ public:
+  virtual ~TopicReader() = default;
+  // Those that are needed first.
+  virtual std::vector<std::string> paths() const = 0;
+  virtual std::size_t needed() const = 0;
+  // Throws LineError where the message cannot be used.
+  virtual void Take(const std::vector<Found>& found, const Message& message, TopicClock* clock) = 0;
+};
+
+// Of kOdometry; `frame`, `base`: those of its first message.
+struct OdometryRows {
+  std::vector<PoseRow> poses;
+  std::string frame, base;
+  // Variances of the heading that its first and last messages state.
+  double first_variance = 0, last_variance = 0;
+};
+std::unique_ptr<TopicReader> ReadOdometry(OdometryRows* rows);
+// Of kVelocity: poses that follow from it, each velocity holding until the next one.
+std::unique_ptr<TopicReader> ReadVelocity(const std::string& type, OdometryRows* rows);
+std::unique_ptr<TopicReader> ReadTransforms(FrameTree* frames);
+// Of kScan and kCone.
+std::unique_ptr<TopicReader> ReadScans(const std::string& type, ScanTopic* topic);
+// Of kPose and kOdometry; of a path that grows from message to message its last state counts.
+std::unique_ptr<TopicReader> ReadPoses(const std::string& type, std::vector<PoseRow>* rows);
+// Of kLandmarks.
+std::unique_ptr<TopicReader> ReadLandmarks(const std::string& type, std::vector<Sighting>* rows);
+
+}  // namespace cairn::datasets::bag

@@ -1,0 +1,51 @@
+// Which topics of bags Cairn can use, as what, and which of them an import takes.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "datasets/bag/container.h"
+
+namespace cairn::datasets::bag {
+
+enum class Use {
+  kOdometry,    // poses by odometry
+  kVelocity,    // as odometry, where somebody says so: it may be what was commanded
+  kTransforms,  // where sensors sit; odometry, where there is no other
+  kScan,        // of a laser
+  kCone,        // of a sonar or an infra-red sensor
+  kPose,        // where the robot was, where somebody says that it is the truth, or a corrected pose
+  kLandmarks,   // markers with identities, and where they were seen
+};
+
+struct TypeUse {
+  std::string_view type;
+  Use use;
+  std::string_view as;  // for people
+};
+// Nothing where Cairn has no use for messages of such a type.
+const TypeUse* FindUse(std::string_view type);
+
+struct Topic {
+  std::string name, type;
+  std::uint64_t messages = 0;
+  const TypeUse* use = nullptr;
+};
+// Of all of them together, in the order of their names.
+std::vector<Topic> TopicsOf(const std::vector<std::unique_ptr<Container>>& bags);
+
+// The topic of that name. Throws InputError where there is none, with the nearest names, or where it is none
+// of `uses`, with those that are.
+const Topic& FindTopic(const std::vector<Topic>& topics, const std::string& name,
+                       const std::vector<Use>& uses, const std::string& option);
+// The only topic of `use` that has messages; nothing where there is none. Throws InputError where there are
+// several: `option` chooses.
+const Topic* OnlyTopic(const std::vector<Topic>& topics, Use use, const std::string& option);
+// "/odom (1200 messages of nav_msgs/Odometry), …" of those of `uses` with messages.
+std::string TopicList(const std::vector<Topic>& topics, const std::vector<Use>& uses);
+
+}  // namespace cairn::datasets::bag

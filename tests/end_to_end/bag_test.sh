@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# Bags that programs which are not ours have written: what is made of them is what is made of the same numbers in a
+# CARMEN log, to the bit.
+source "$(dirname "$0")/common.sh"
+
+/usr/bin/python3 -c 'import rosbag, nav_msgs.msg, sensor_msgs.msg' 2>/dev/null ||
+  skip "Debian's python3-rosbag, python3-nav-msgs and python3-sensor-msgs are not installed"
+awk 'BEGIN {
+  for (i = 0; i <= 60; i++) {
+    t = sprintf("%.6f", 1000000000 + 0.25 * i)
+    printf "FLASER 181"
+    for (b = 0; b <= 180; b++) { s = sin((b - 90) * atan2(0, -1) / 180); if (s < 0) s = -s; r = s > 0.05 ? 1 / s : 60; printf " %.2f", r }
+    printf " %g 0 %g %g 0 %g %s h %s\n", 0.1 * i, 0.01 * i, 0.1 * i, 0.01 * i, t, t
+  }
+}' >drive.log
+for packing in none bz2 lz4; do
+  /usr/bin/python3 "$CAIRN_SOURCE/tests/end_to_end/make_bag.py" drive.log $packing.bag same.log $packing
+  exits 0 cairn import bag $packing.bag $packing.h5
+  says '^cairn: read 61: messages of /scan$'
+  says "^$packing.h5: 1 robot, [0-9]+ controls, 0 observations, 61 range scans$"
+done
+exits 0 cairn import carmen same.log same.h5
+for packing in none bz2 lz4; do same_bits same.h5 $packing.h5; done
+refuses 'first make a log of it: cairn import bag none.bag log.h5' cairn map none.bag
+refuses 'there is no such topic; the nearest' cairn import bag none.bag x.h5 --odometry /odm
+refuses 'OUT.h5 is required' cairn import bag none.bag
+head -c 100000 none.bag >cut.bag
+refuses 'the file ends within it' cairn import bag cut.bag cut.h5
+exits 0 cairn import bag cut.bag cut.h5 --skip-bad
+says '^cairn: skipped 1: part of a file that cannot be read$'
+exits 0 cairn run forward_map none.h5 --out map --dry-run
+
+[ -n "${CAIRN_DATA:-}" ] && [ -d "$CAIRN_DATA/carmen-intel" ] || skip "CAIRN_DATA names no folder that holds carmen-intel"
+/usr/bin/python3 "$CAIRN_SOURCE/tests/end_to_end/make_bag.py" "$CAIRN_DATA/carmen-intel/intel-raw.log.gz" intel.bag intel.log lz4
+exits 0 cairn import bag intel.bag intel.h5
+exits 0 cairn import carmen intel.log same-intel.h5
+same_bits same-intel.h5 intel.h5
