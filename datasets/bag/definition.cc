@@ -82,19 +82,20 @@ class Parser {
 
  private:
   void Split(const std::string& type, std::string_view text) {
-    std::string name = type;
-    constexpr std::string_view kRule = "=====", kMsg = "MSG:";
+    constexpr std::string_view kRule = "===", kMsg = "MSG:";
+    std::vector<std::string_view>* into = &texts_[type];
+    std::vector<std::string_view> repeated;  // of two of a name the first counts
     Lines lines(text);
     while (lines.Next()) {
-      std::string_view line = Trim(lines.text());
+      const std::string_view line = Trim(lines.text());
       if (line.starts_with(kRule)) continue;
-      if (line.starts_with(kMsg)) {
-        name = TypeName(std::string(Trim(line.substr(kMsg.size()))));
-        if (texts_.size() == kMostTypes) throw Damage{"a definition of more than 1,000 types"};
-        texts_[name];
+      if (!line.starts_with(kMsg)) {
+        into->push_back(line);
         continue;
       }
-      texts_[name].push_back(line);
+      const auto [found, is_new] = texts_.try_emplace(TypeName(std::string(Trim(line.substr(kMsg.size())))));
+      if (texts_.size() > kMostTypes) throw Damage{"a definition of more than 1,000 types"};
+      into = is_new ? &found->second : &repeated;
     }
   }
 

@@ -33,6 +33,11 @@ Target MrclamTarget();
 Target CarmenTarget();
 // The other range logs, trajectories and relations; the first byte also chooses the reader.
 Target RangesTarget();
+// A bag of any container; the first byte chooses what is skipped and asked for. An accepted log as above.
+Target BagTarget();
+// A definition, after its length in two bytes, and a message of it, in the encoding that the first byte
+// chooses.
+Target BagMessageTarget();
 // A run of samples, alone or after a good one; the first byte chooses as above. Accepted samples are runs of
 // finite numbers and times in order.
 Target VectorsTarget();

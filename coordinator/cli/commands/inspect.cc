@@ -10,10 +10,12 @@
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/result_file.h"
 #include "coordinator/cli/output/text_table.h"
+#include "datasets/bag/inspect_bag.h"
 #include "datasets/import/recognize.h"
 #include "datasets/kinds/result_kinds.h"
 #include "schema/kinds/kind.h"
 #include "schema/store/blob_file.h"
+#include "schema/text.h"
 
 namespace cairn::cli {
 namespace {
@@ -103,7 +105,40 @@ int InspectFolder(const InspectArguments& options) {
   Throw(status);
 }
 
+int InspectABag(const InspectArguments& options, const std::string& command) {
+  datasets::BagInspection bag = datasets::InspectBag(options.file);
+  bag.command = command;
+  if (!options.json) {
+    std::printf("%s: %s", Escaped(options.file).c_str(), datasets::BagText(bag).c_str());
+    return kExitDone;
+  }
+  nlohmann::ordered_json json = {{"file", options.file},
+                                 {"what", bag.what},
+                                 {"first_s", bag.first_s},
+                                 {"length_s", bag.length_s},
+                                 {"remarks", bag.remarks}};
+  json["topics"] = nlohmann::ordered_json::array();
+  for (const datasets::BagTopic& topic : bag.topics) {
+    nlohmann::ordered_json one = {
+        {"name", topic.name},       {"type", topic.type}, {"messages", topic.messages},
+        {"rate_hz", topic.rate_hz}, {"as", topic.as},     {"frames", topic.frames}};
+    if (topic.gap_s) one["gap_s"] = *topic.gap_s;
+    json["topics"].push_back(std::move(one));
+  }
+  json["commands"] = {bag.command};
+  std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  return kExitDone;
+}
+
+// The command that reads in a bag, or a folder of rosbag2; empty where it is none.
+std::string CommandOfBag(const std::string& path) {
+  const auto recognized = datasets::Recognize(path);
+  if (!recognized || !recognized->command.starts_with("cairn import bag ")) return {};
+  return fs::is_directory(path) && recognized->what != "a folder of rosbag2" ? "" : recognized->command;
+}
+
 int Inspect(const InspectArguments& options, const Invocation&) {
+  if (const std::string bag = CommandOfBag(options.file); !bag.empty()) return InspectABag(options, bag);
   if (fs::is_directory(options.file)) return InspectFolder(options);
   const Result<datasets::Inspection> inspection = datasets::Inspect(options.file);
   if (!inspection.ok()) ThrowForeignFile(options.file, inspection.status());
@@ -126,7 +161,8 @@ void AddInspect(Command app, Invocation& call) {
                                    "cairn inspect log.h5", Inspect, &command);
   command
       .Add("FILE", options->file,
-           "A log, a result, a checkpoint; of a folder: what it looks like, and which command reads it")
+           "A log, a result, a checkpoint; a bag of ROS; of a folder: what it looks like, and which command "
+           "reads it")
       .Required();
   command.AddFlag("--json", options->json, "As JSON");
 }

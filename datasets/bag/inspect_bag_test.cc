@@ -1,0 +1,50 @@
+#include "datasets/bag/inspect_bag.h"
+
+#include "datasets/bag/testing_bag.h"
+#include "datasets/testing.h"
+
+namespace cairn::datasets {
+namespace {
+
+using bag::Encoder;
+
+TEST(InspectBag, ListsTopicsWithWhatCairnCanDoWithThem) {
+  const TestFolder folder;
+  auto messages = bag::SmallDrive(Encoder::To::kRos1);
+  messages.push_back({"/cmd_vel", "geometry_msgs/Twist", 1002, std::string(48, '\0')});
+  messages.push_back({"/tf", "tf2_msgs/TFMessage", 1004,
+                      bag::TransformMessage(Encoder::To::kRos1, 1004, "/odom", "base_link", 0, 0)});
+  messages.push_back({"/imu", "sensor_msgs/Imu", 1004, "short"});
+  messages.erase(messages.begin() + 4);  // of /odom
+  const std::string path = folder.Put("drive.bag", bag::Ros1Bytes(messages, "bz2"));
+  const BagInspection bag = InspectBag(path);
+  EXPECT_EQ(bag.what, "a ROS 1 bag");
+  EXPECT_EQ(bag.first_s, 1000);
+  EXPECT_NEAR(bag.length_s, 5.01, 1e-9);
+  ASSERT_EQ(bag.topics.size(), 5U);
+  EXPECT_EQ(bag.topics[0].name, "/cmd_vel");
+  EXPECT_EQ(bag.topics[1].as, "");
+  const BagTopic& odometry = bag.topics[2];
+  EXPECT_EQ(odometry.messages, 10U);
+  EXPECT_NEAR(odometry.rate_hz, 2, 0.01);
+  EXPECT_NEAR(odometry.gap_s.value_or(0), 1, 1e-9);
+  EXPECT_EQ(odometry.frames, (std::vector<std::string>{"odom"}));
+  EXPECT_EQ(bag.topics[4].frames, (std::vector<std::string>{"odom > base_link"}));
+  EXPECT_TRUE(bag.remarks.empty()) << "what is not used is not read: " << bag.remarks.front();
+  const std::string text = BagText(bag);
+  ExpectContains(text,
+                 "/odom nav_msgs/Odometry: 10 messages, 2.0 Hz, longest gap 1.00 s; frame odom; as odometry");
+  ExpectContains(text, "/imu sensor_msgs/Imu: 1 messages; not used");
+}
+
+TEST(InspectBag, SaysWhatIsWrong) {
+  const TestFolder folder;
+  const std::string whole = bag::McapBytes(bag::SmallDrive(Encoder::To::kCdr));
+  const BagInspection bag = InspectBag(folder.Put("cut.mcap", whole.substr(0, whole.size() / 3)));
+  ASSERT_EQ(bag.remarks.size(), 2U) << bag.remarks.front();
+  ExpectContains(bag.remarks[0], "the file ends within it");
+  ExpectContains(bag.remarks[1], "no summary");
+}
+
+}  // namespace
+}  // namespace cairn::datasets

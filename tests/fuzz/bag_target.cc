@@ -1,0 +1,128 @@
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+
+#include "datasets/bag/import_bag.h"
+#include "datasets/bag/inspect_bag.h"
+#include "datasets/bag/message_reader.h"
+#include "datasets/bag/testing_bag.h"
+#include "tests/fuzz/scratch.h"
+#include "tests/fuzz/targets.h"
+
+namespace cairn::fuzz {
+namespace {
+
+namespace bag = datasets::bag;
+
+constexpr std::uint8_t kSkipBadMessages = 1, kByReceipt = 2, kInspect = 4;
+
+void CheckBagLog(const Blob& log) {
+  for (const char* table :
+       {"robot/0/odometry/", "robot/0/observations/", "robot/0/laser/", "robot/0/sonar/"}) {
+    if (!log.Has(std::string(table) + "time_s")) continue;
+    const auto times = log.Get<double>(std::string(table) + "time_s");
+    CAIRN_DEMAND(std::ranges::is_sorted(times), std::string(table) + " runs backwards");
+    CAIRN_DEMAND(std::ranges::all_of(times, [](double t) { return std::isfinite(t); }), "no time");
+  }
+  if (!log.Has("robot/0/laser/range_m")) return;
+  const double reach = log.Scalar<double>("robot/0/laser/max_range_m");
+  CAIRN_DEMAND(std::ranges::all_of(log.Get<double>("robot/0/laser/range_m"),
+                                   [&](double r) { return std::isnan(r) || (r > 0 && r < reach); }),
+               "a range that no sensor gives");
+}
+
+Outcome RunBag(std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) return Outcome::kRefused;
+  const MemoryFile file(AsText(bytes.subspan(1)));
+  datasets::BagImportOptions options;
+  options.files = {file.path()};
+  options.skip_bad = (bytes[0] & kSkipBadMessages) != 0;
+  options.by_receipt = (bytes[0] & kByReceipt) != 0;
+  Blob log;
+  try {
+    if ((bytes[0] & kInspect) != 0) datasets::BagText(datasets::InspectBag(file.path()));
+    datasets::ImportBag(options, &log);
+  } catch (const InputError&) {
+    return Outcome::kRefused;
+  }
+  CheckBagLog(log);
+  return Outcome::kAccepted;
+}
+
+std::vector<bag::BagMessage> Drive(bag::Encoder::To to) {
+  auto messages = bag::SmallDrive(to);
+  messages.resize(6);
+  messages.push_back(
+      {"/tf", "tf2_msgs/TFMessage", 1000, bag::TransformMessage(to, 1000, "base_link", "laser", 0.1, 0.2)});
+  return messages;
+}
+
+std::vector<Bytes> BagSeeds() {
+  using To = bag::Encoder::To;
+  std::vector<std::string> files;
+  for (const char* how : {"none", "lz4", "bz2"}) files.push_back(bag::Ros1Bytes(Drive(To::kRos1), how));
+  files.push_back(bag::Ros1Bytes(Drive(To::kRos1), "none", false));
+  for (const char* how : {"", "lz4", "zstd"}) files.push_back(bag::McapBytes(Drive(To::kCdr), how));
+  files.push_back(bag::McapBytes(Drive(To::kBigCdr), "", bag::McapForm::kWithoutIndex));
+  files.push_back(bag::McapBytes(Drive(To::kCdr), "", bag::McapForm::kWithoutChunks));
+  const ScratchFolder folder;
+  for (const bool has_definitions : {false, true}) {
+    const std::string path = folder.path() / (has_definitions ? "new.db3" : "old.db3");
+    bag::WriteSqliteBag(path, Drive(To::kCdr), has_definitions);
+    std::ifstream in(path, std::ios::binary);
+    files.emplace_back(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+  }
+  std::vector<Bytes> seeds;
+  for (const std::string& file : files)
+    for (const int flags : {0, kSkipBadMessages | kInspect, 0 + kByReceipt}) {
+      seeds.emplace_back(file.begin(), file.end());
+      seeds.back().insert(seeds.back().begin(), static_cast<std::uint8_t>(flags));
+    }
+  return seeds;
+}
+
+Outcome RunBagMessage(std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kHead = 3;
+  if (bytes.size() < kHead) return Outcome::kRefused;
+  const std::size_t length = std::min<std::size_t>(bytes[1] + 256 * bytes[2], bytes.size() - kHead);
+  const std::string_view text = AsText(bytes.subspan(kHead, length));
+  try {
+    bag::MessageReader reader(
+        bag::ParseDefinition("a/B", text), bytes[0] % 2 == 0 ? bag::Wire::kRos1 : bag::Wire::kCdr,
+        {"header.stamp", "header.frame_id", "pose.pose.position.x", "ranges", "transforms", "ranges.echoes"});
+    const std::vector<bag::Found>& found = reader.Read(std::as_bytes(bytes.subspan(kHead + length)));
+    for (const bag::Found& one : found)
+      CAIRN_DEMAND(one.numbers.size() + one.texts.size() + one.bytes.size() <= bytes.size(),
+                   "more fields than bytes");
+  } catch (const bag::Damage&) {
+    return Outcome::kRefused;
+  }
+  return Outcome::kAccepted;
+}
+
+std::vector<Bytes> BagMessageSeeds() {
+  std::vector<Bytes> seeds;
+  for (const bag::BagMessage& message : Drive(bag::Encoder::To::kRos1))
+    for (const auto to : {bag::Encoder::To::kRos1, bag::Encoder::To::kCdr, bag::Encoder::To::kBigCdr}) {
+      const auto same = Drive(to);
+      const auto found = std::ranges::find(same, message.topic, &bag::BagMessage::topic);
+      const std::string text = bag::DefinitionText(message.type, to == bag::Encoder::To::kRos1);
+      Bytes seed = {static_cast<std::uint8_t>(to == bag::Encoder::To::kRos1 ? 0 : 1),
+                    static_cast<std::uint8_t>(text.size() % 256),
+                    static_cast<std::uint8_t>(text.size() / 256)};
+      seed.insert(seed.end(), text.begin(), text.end());
+      seed.insert(seed.end(), found->bytes.begin(), found->bytes.end());
+      seeds.push_back(std::move(seed));
+    }
+  return seeds;
+}
+
+}  // namespace
+
+Target BagTarget() { return {"bag", RunBag, BagSeeds, 2000}; }
+Target BagMessageTarget() { return {"bag_message", RunBagMessage, BagMessageSeeds, 4000}; }
+
+}  // namespace cairn::fuzz
