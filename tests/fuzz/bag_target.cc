@@ -34,22 +34,30 @@ void CheckBagLog(const Blob& log) {
                "a range that no sensor gives");
 }
 
-Outcome RunBag(std::span<const std::uint8_t> bytes) {
-  if (bytes.empty()) return Outcome::kRefused;
-  const MemoryFile file(AsText(bytes.subspan(1)));
+Outcome RunBagFile(const std::string& path, std::uint8_t flags) {
   datasets::BagImportOptions options;
-  options.files = {file.path()};
-  options.skip_bad = (bytes[0] & kSkipBadMessages) != 0;
-  options.by_receipt = (bytes[0] & kByReceipt) != 0;
+  options.files = {path};
+  options.skip_bad = (flags & kSkipBadMessages) != 0;
+  options.by_receipt = (flags & kByReceipt) != 0;
   Blob log;
   try {
-    if ((bytes[0] & kInspect) != 0) datasets::BagText(datasets::InspectBag(file.path()));
+    if ((flags & kInspect) != 0) datasets::BagText(datasets::InspectBag(path));
     datasets::ImportBag(options, &log);
   } catch (const InputError&) {
     return Outcome::kRefused;
   }
   CheckBagLog(log);
   return Outcome::kAccepted;
+}
+
+// SQLite wants a path that is there when links in it have been followed.
+Outcome RunBag(std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) return Outcome::kRefused;
+  const std::string_view file = AsText(bytes.subspan(1));
+  if (!file.starts_with("SQLite")) return RunBagFile(MemoryFile(file).path(), bytes[0]);
+  const ScratchFolder folder;
+  folder.Put("a.db3", file);
+  return RunBagFile(folder.path() / "a.db3", bytes[0]);
 }
 
 std::vector<bag::BagMessage> Drive(bag::Encoder::To to) {
