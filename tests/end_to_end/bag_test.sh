@@ -28,7 +28,9 @@ head -c 100000 none.bag >cut.bag
 refuses 'the file ends within it' cairn import bag cut.bag cut.h5
 exits 0 cairn import bag cut.bag cut.h5 --skip-bad
 says '^cairn: skipped 1: part of a file that cannot be read$'
-exits 0 cairn run forward_map none.h5 --out map --dry-run
+exits 0 cairn map none.h5 --dry-run
+exits 0 cairn inspect cut.bag
+says 'scan sensor_msgs.LaserScan: [0-9]+ messages, .* as scans$'
 
 [ -n "${CAIRN_DATA:-}" ] && [ -d "$CAIRN_DATA/carmen-intel" ] || skip "CAIRN_DATA names no folder that holds carmen-intel"
 /usr/bin/python3 "$CAIRN_SOURCE/tests/end_to_end/make_bag.py" "$CAIRN_DATA/carmen-intel/intel-raw.log.gz" intel.bag intel.log lz4

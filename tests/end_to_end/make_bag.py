@@ -55,7 +55,7 @@ def main():
     packed = sys.argv[4] if len(sys.argv) > 4 else "none"
     opened = gzip.open(source, "rt") if source.endswith(".gz") else open(source)
     seq = 0
-    with opened as lines, rosbag.Bag(bag_name, "w", compression=packed) as bag, open(log_name, "w") as log:
+    with opened as lines, rosbag.Bag(bag_name, "w", compression=packed, chunk_threshold=20000) as bag, open(log_name, "w") as log:
         for line in lines:
             words = line.split()
             if not words or words[0] not in ("ODOM", "FLASER"):
