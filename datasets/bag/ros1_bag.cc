@@ -125,7 +125,7 @@ class Ros1Bag : public Container {
     first_record_ = record.end;
     chunk_count_ = fields.Number<std::uint32_t>("chunk_count");
     const auto index_at = fields.Number<std::uint64_t>("index_pos");
-    return index_at >= first_record_ && index_at < file_.size() ? index_at : 0;
+    return index_at >= first_record_ && index_at <= file_.size() ? index_at : 0;
   }
 
   // False where it is not as it should be: then the bag is read without it.
