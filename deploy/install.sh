@@ -27,6 +27,7 @@ arm64_packages=(g++-aarch64-linux-gnu qemu-user)
 dev_packages=(
   clang-19 clang-format-19 clang-tidy-19 ccache git python3 python3-h5py
   liboctomap-dev python3-yaml python3-pil # read back what is exported
+  python3-rosbag python3-nav-msgs python3-sensor-msgs # EndToEnd.bag: write what is imported
   iproute2 nftables # tests/faults: networks that fail
   qemu-user # EndToEnd.cpu: a CPU below the build's target
   prometheus # EndToEnd.monitoring: promtool checks the rules and the page, a real one scrapes it

@@ -1,4 +1,5 @@
-// How often this thread has allocated memory. For tests whose target has allocations_testing.cc, which counts.
+// How often this thread has allocated memory. For tests whose target has allocations_testing.cc, which
+// counts.
 #pragma once
 
 namespace cairn {
