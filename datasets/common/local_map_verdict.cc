@@ -265,8 +265,8 @@ Verdict::Doubt OfScans(const kinds::LocalMap::Fit& fit, std::size_t i) {
   if (fit.hole[i] != 0)
     return {
         Confidence::kLow,
-        fmt::format("from {:.0f} to {:.0f} s nothing was read, and the scans before and after do not meet: "
-                    "the robot moved meanwhile, and odometry did not count it",
+        fmt::format("from {:.0f} to {:.0f} s the robot was moved, and odometry did not count it: the scans "
+                    "before and after do not meet",
                     fit.from_s[i], fit.until_s[i])};
   constexpr double kMissed_rad = 30 * kDegree, kFollows_rad = 40 * kDegree;
   const double of_path_rad = std::abs(fit.scans_turn_rad[i] - fit.path_turn_rad[i]),

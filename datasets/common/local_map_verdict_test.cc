@@ -173,8 +173,8 @@ TEST(LocalMapVerdict, WhereTheScansShowAnotherMotionIsNamed) {
       "has, 3.1 m apart: the wheels slipped, or the robot was carried");
   EXPECT_EQ(
       LocalMapVerdict(WithFit(map, 0, 0, true)).Text(),
-      "low: the path closes all of 30 loops; from 150 to 153 s nothing was read, and the scans before and "
-      "after do not meet: the robot moved meanwhile, and odometry did not count it");
+      "low: the path closes all of 30 loops; from 150 to 153 s the robot was moved, and odometry did not "
+      "count it: the scans before and after do not meet");
   EXPECT_EQ(LocalMapVerdict(WithFit(LocalMapOf({}), 1.536, 0.2, false)).trust, Confidence::kLow);
 }
 

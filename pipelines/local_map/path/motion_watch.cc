@@ -28,6 +28,10 @@ constexpr double kSeen = 0.85, kTurn_rad = 10 * kDeg, kWay_m = 0.15;
 
 constexpr double kHole_s = 2, kHoleRatio = 8;  // and so many times the usual
 constexpr double kNews = 0.1, kStands_m = 0.3, kStands_rad = 15 * kDeg;
+constexpr double kLong_s = 30;  // persons come and go meanwhile: such a hole is judged as a step is
+constexpr double kMeets = 0.7;  // of a scan, where the other side of a hole may have been changed
+// Of a scan another place explains less; over a longer way a room may be out of sight.
+constexpr double kElsewhere = 0.5, kStep_m = 0.6, kStep_rad = 40 * kDeg;
 constexpr double kFastest_mps = 0.8, kMostSlip_m = 1.2, kSlip_s = 3;  // that a robot is carried
 constexpr double kMostTurn_rad = 60 * kDeg;
 
@@ -48,7 +52,7 @@ MotionWatch::MotionWatch(const std::vector<ScaleWatch::Ring>& rings) : before_(k
 void MotionWatch::Update(std::int64_t scan, double time_s, const Pose& pose, std::span<const RingScan> read,
                          bool own) {
   if (fan_.empty() || read[ring_].range_m.empty()) return;
-  const bool is_hole = EndsHole(time_s);
+  const bool is_long = time_s - last_s_ >= kLong_s, is_hole = EndsHole(time_s);
   Seen now{.scan = scan, .time_s = time_s, .pose = pose, .view = {}};
   std::int64_t compared = -1;  // the scan that it was compared with
   for (std::size_t w = 0; w < before_.size(); ++w) {
@@ -60,14 +64,20 @@ void MotionWatch::Update(std::int64_t scan, double time_s, const Pose& pose, std
     if (!due) continue;
     if (now.view.hits.empty()) now.view = fan_.front().View(read[ring_]);
     if (before.scan >= 0 && own && before.scan != compared) {
-      if (is_hole && w == 0)
+      if (is_hole && !is_long && w == 0)
         CompareOverHole(before, now);
       else if (!is_hole)
         Compare(static_cast<std::int32_t>(w), before, now);
       if (w == 0) compared = before.scan;
     }
     before = now;
+    if (w > 0) continue;
+    if (is_hole && !is_long) last_.clear();
+    if (last_.size() == 4) last_.erase(last_.begin());
+    last_.push_back(now);
+    if (own) CompareOverStep();
   }
+  last_pose_ = pose;
 }
 
 bool MotionWatch::EndsHole(double time_s) {
@@ -92,20 +102,50 @@ void MotionWatch::Compare(std::int32_t watch, const Seen& before, const Seen& no
   const double turn = std::abs(any.moved.heading_rad - near.moved.heading_rad),
                way = std::hypot(any.moved.x_m - odometry.x_m, any.moved.y_m - odometry.y_m);
   if (turn > kTurn_rad || (way > kWay_m && over_s <= kSlip_s))
-    found_.push_back({watch, before.scan, now.scan, any.moved, odometry, false});
+    found_.push_back({watch, before.scan, now.scan, any.moved, odometry, false, false});
 }
 
 // Where odometry moved meanwhile, it went on counting.
 void MotionWatch::CompareOverHole(const Seen& before, const Seen& now) {
-  const Pose odometry = Between(before.pose, now.pose);
-  if (std::hypot(odometry.x_m, odometry.y_m) > kStands_m || std::abs(odometry.heading_rad) > kStands_rad)
+  const Pose meanwhile = Between(last_pose_, now.pose);
+  if (std::hypot(meanwhile.x_m, meanwhile.y_m) > kStands_m || std::abs(meanwhile.heading_rad) > kStands_rad)
     return;
-  const ScanMotion near = NearOdometry(before.view, now.view, odometry, kExplained);
-  if (near.tells >= kTells && near.share < kExplained)
-    found_.push_back({0, before.scan, now.scan, odometry, odometry, true});
+  const ScanMotion near = NearOdometry(before.view, now.view, Between(before.pose, now.pose), kExplained);
+  if (near.tells >= kTells && near.share < kExplained) ReportHole(before, now, near);
+}
+
+void MotionWatch::CompareOverStep() {
+  if (last_.size() < 4) return;
+  const auto near = [&](std::size_t from, std::size_t to) {
+    return NearOdometry(last_[from].view, last_[to].view, Between(last_[from].pose, last_[to].pose),
+                        kExplained);
+  };
+  const Pose step = Between(last_[1].pose, last_[2].pose);
+  if (std::hypot(step.x_m, step.y_m) > kStep_m || std::abs(step.heading_rad) > kStep_rad) return;
+  // A person before the laser spoils one scan; another place all of them, and none of those before or after.
+  const ScanMotion over = near(1, 2);
+  for (const auto& [from, to] : {std::pair{1, 2}, {0, 2}, {1, 3}, {0, 3}}) {
+    const ScanMotion pair = near(static_cast<std::size_t>(from), static_cast<std::size_t>(to));
+    if (pair.tells < kTells || pair.share >= kElsewhere) return;
+  }
+  if (near(0, 1).share >= kExplained && near(2, 3).share >= kExplained) ReportHole(last_[1], last_[2], over);
+}
+
+void MotionWatch::ReportHole(const Seen& before, const Seen& now, const ScanMotion& near) {
+  const Pose odometry = Between(before.pose, now.pose);
+  const ScanMotion any = AnyMotion(before.view, now.view, odometry, kMostTurn_rad, kMostSlip_m);
+  const bool meets = any.share >= kMeets && any.share - near.share >= kGain;
+  found_.push_back({0, before.scan, now.scan, meets ? any.moved : odometry, odometry, true, meets});
 }
 
 namespace {
+
+constexpr double kLeastTurn_rad = 35 * kDeg, kLeast_m = 0.5;  // less does not harm a map
+
+bool Follows(const Pose& path, const Pose& seen) {
+  return std::hypot(path.x_m - seen.x_m, path.y_m - seen.y_m) < kLeast_m &&
+         std::abs(WrapAngle(path.heading_rad - seen.heading_rad)) < kLeastTurn_rad;
+}
 
 // The contradictions of one watch, each with the one before where they follow each other.
 std::vector<Disagreement> ChainsOf(std::size_t watch, const std::vector<Contradiction>& found,
@@ -117,13 +157,14 @@ std::vector<Disagreement> ChainsOf(std::size_t watch, const std::vector<Contradi
     if (c.watch != static_cast<std::int32_t>(watch)) continue;
     const Scan &from = scans.at(static_cast<std::size_t>(c.from)),
                &to = scans.at(static_cast<std::size_t>(c.to));
+    const Pose path = Between(from.pose, to.pose);
+    if (c.meets && Follows(path, c.seen)) continue;
     const bool follows = !chains.empty() && !c.hole && !chains.back().hole &&
                          from.time_s - chains.back().until_s <= 2 * kWatches[watch].over_s;
     if (!follows) {
       chains.emplace_back().from_s = from.time_s;
       apart = {};
     }
-    const Pose path = Between(from.pose, to.pose);
     const Pose off =
         Compose({0, 0, chains.back().scans_turn_rad}, {c.seen.x_m - path.x_m, c.seen.y_m - path.y_m, 0});
     apart = {apart.x_m + off.x_m, apart.y_m + off.y_m};
@@ -139,12 +180,11 @@ std::vector<Disagreement> ChainsOf(std::size_t watch, const std::vector<Contradi
   return chains;
 }
 
-constexpr double kLeastTurn_rad = 35 * kDeg, kLeast_m = 0.5;
-
 double Missed(const Disagreement& chain) { return chain.scans_turn_rad - chain.odometry_turn_rad; }
 
 // What a chain tells of most: turns first, for while a robot turns ways are seen badly.
 std::pair<double, double> Weight(const Disagreement& chain) {
+  if (chain.hole) return {};
   const double turn = std::max(std::abs(chain.scans_turn_rad - chain.path_turn_rad), std::abs(Missed(chain)));
   return {turn >= kLeastTurn_rad ? turn : 0, chain.apart_m};
 }
@@ -176,7 +216,7 @@ std::vector<Disagreement> Disagreements(const std::vector<Contradiction>& found,
 std::vector<double> MissedTurns(const std::vector<Contradiction>& found, const std::vector<Scan>& scans) {
   std::vector<double> more;
   for (const Disagreement& chain : Disagreements(found, scans)) {
-    if (std::abs(Missed(chain)) < kLeastTurn_rad) continue;
+    if (chain.hole || std::abs(Missed(chain)) < kLeastTurn_rad) continue;  // two scans are too few
     more.resize(scans.size());
     for (const std::size_t i : chain.of) {
       const double step = found[i].seen.heading_rad - found[i].odometry.heading_rad;

@@ -16,8 +16,9 @@ namespace cairn::local_map {
 struct Contradiction {
   std::int32_t watch = 0;         // which of the watches, each of which looks over another time
   std::int64_t from = 0, to = 0;  // scans
-  Pose seen, odometry;            // `seen` of a hole: odometry's
-  bool hole = false;              // nothing was read for long, and the scans before and after do not meet
+  Pose seen, odometry;            // `seen` of a hole where they do not meet: odometry's
+  bool hole = false;              // the scans before and after do not meet as odometry has them
+  bool meets = false;             // a hole: they do where the robot moved as `seen`
   static void Fields(const auto& field) {
     field("watch", &Contradiction::watch);
     field("from", &Contradiction::from);
@@ -25,6 +26,7 @@ struct Contradiction {
     field("seen", &Contradiction::seen);
     field("odometry", &Contradiction::odometry);
     field("hole", &Contradiction::hole);
+    field("meets", &Contradiction::meets);
   }
 };
 
@@ -33,7 +35,8 @@ class MotionWatch {
   // Looks at the laser that has the most beams; at nothing where there is none.
   explicit MotionWatch(const std::vector<ScaleWatch::Ring>& rings);
 
-  // Scan number `scan` at a pose of dead reckoning; `own`: what it contradicts is reported.
+  // Scan number `scan` at a pose of dead reckoning; `own`: what it contradicts is reported. A robot that is
+  // carried while its scans go on is noticed a scan later, when two scans from either side tell the same.
   void Update(std::int64_t scan, double time_s, const Pose& pose, std::span<const RingScan> read, bool own);
 
   const std::vector<Contradiction>& found() const { return found_; }
@@ -49,11 +52,16 @@ class MotionWatch {
   bool EndsHole(double time_s);
   void Compare(std::int32_t watch, const Seen& before, const Seen& now);
   void CompareOverHole(const Seen& before, const Seen& now);
+  // Whether between the second and the third of the last four the robot was carried.
+  void CompareOverStep();
+  void ReportHole(const Seen& before, const Seen& now, const ScanMotion& near);
 
   std::size_t ring_ = 0;
   std::vector<LaserFan> fan_;  // none or one
   std::vector<Seen> before_;   // of each watch
+  std::vector<Seen> last_;     // of the first watch, four at most, which no short hole parts
   double last_s_ = 0, usual_s_ = 0;
+  Pose last_pose_;
   std::vector<Contradiction> found_;
 };
 

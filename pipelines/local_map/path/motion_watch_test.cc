@@ -103,11 +103,43 @@ TEST(MotionWatch, SaysWhereTheRecorderWasPausedAndTheRobotDroveOn) {
     drive.Read(false);
     for (int k = 0; k < 20; ++k) drive.Move(drives ? Pose{0, 0, kQuarter_rad / 20} : Pose(), {});
     drive.Read(true);
-    drive.Ahead(1);
+    drive.Ahead(0.5);
     const std::vector<Disagreement> found = drive.Found();
     ASSERT_EQ(found.size(), drives ? 1U : 0U);
     for (const Disagreement& one : found) EXPECT_TRUE(one.hole);
   }
+}
+
+// From one end of the corridor to a niche at the other, in no time or while nothing was read for a minute:
+// odometry goes on as if nothing had been.
+TEST(MotionWatch, SaysWhereTheRobotWasCarriedToAnotherPlace) {
+  for (const bool pauses : {false, true}) {
+    for (const double carried_m : {0.0, 5.5}) {
+      WatchedDrive drive;
+      drive.Ahead(3);
+      drive.Read(false);
+      for (int k = 0; pauses && k < 300; ++k) drive.Move({}, {});
+      drive.Read(true);
+      drive.Move({carried_m, 0, carried_m > 0 ? -kQuarter_rad : 0}, {});
+      drive.Turn(kQuarter_rad / 2, 1);
+      const std::vector<Disagreement> found = drive.Found();
+      ASSERT_EQ(found.size(), carried_m > 0 ? 1U : 0U) << pauses;
+      for (const Disagreement& one : found) {
+        EXPECT_TRUE(one.hole);
+        EXPECT_NEAR(one.from_s, 3 / 0.4, 1);
+      }
+    }
+  }
+}
+
+// Persons stand before the laser for one scan.
+TEST(MotionWatch, OneScanThatIsSpoiltIsNotACarriedRobot) {
+  WatchedDrive drive;
+  drive.Ahead(3);
+  drive.Move({3, 0, kQuarter_rad}, {});
+  drive.Move({-3, 0, -kQuarter_rad}, {});
+  drive.Ahead(2);
+  for (const Disagreement& one : drive.Found()) EXPECT_FALSE(one.hole);
 }
 
 // Five scans, of each pair of which this was seen where odometry stood still.
@@ -115,7 +147,7 @@ struct Told {
   explicit Told(const Pose& seen) {
     for (std::int64_t s = 0; s < 5; ++s) {
       scans.emplace_back().time_s = 0.4 * static_cast<double>(s);
-      if (s > 0) found.push_back({0, s - 1, s, seen, {}, false});
+      if (s > 0) found.push_back({0, s - 1, s, seen, {}, false, false});
     }
   }
   std::vector<Contradiction> found;
@@ -139,6 +171,16 @@ TEST(MotionWatch, ATurnThatThePathMakesGoodIsSaidAllTheSame) {
   EXPECT_NEAR(said[0].scans_turn_rad, 1.6, 1e-9);
   EXPECT_NEAR(said[0].path_turn_rad, 1.6, 1e-9);
   EXPECT_NEAR(said[0].odometry_turn_rad, 0, 1e-9);
+}
+
+TEST(MotionWatch, AHoleWhoseSidesMeetWhereThePathHasThemIsNone) {
+  for (const bool follows : {false, true}) {
+    Told told({0, 0, 0.4});
+    told.found.assign(1, {0, 1, 2, {0.2, 0, 0.8}, {}, true, true});
+    for (std::size_t s = 2; follows && s < told.scans.size(); ++s) told.scans[s].pose = {0.2, 0, 0.8};
+    EXPECT_EQ(Disagreements(told.found, told.scans).size(), follows ? 0U : 1U);
+    EXPECT_TRUE(MissedTurns(told.found, told.scans).empty());
+  }
 }
 
 TEST(MotionWatch, TwoScansAloneAreNotBelieved) {

@@ -1,6 +1,7 @@
 #include "pipelines/local_map/tasks/orientation_task.h"
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "pipelines/local_map/grids/local_grids.h"
@@ -22,8 +23,8 @@ double Counts(const Edge& edge) {
 
 }  // namespace
 
-Blob WatchWalls(ScanReader& scans, std::size_t own, bool watch_motion, GridOptions options,
-                Progress& progress) {
+Blob WatchWalls(ScanReader& scans, std::size_t own, const std::optional<std::size_t>& ahead,
+                GridOptions options, Progress& progress) {
   options.align = false;  // edges in one frame; what that says of walls is decided over the whole run
   LocalGrids grids(options, scans.rings());
   ScaleWatch scale(scans.beams());
@@ -33,9 +34,9 @@ Blob WatchWalls(ScanReader& scans, std::size_t own, bool watch_motion, GridOptio
   for (std::size_t s = 0; s < scans.size(); ++s) {
     if (s % 100 == 0) progress.Tick();
     const std::span<const RingScan> read = scans.Read(s);
+    if (ahead) motion.Update(static_cast<std::int64_t>(s), scans.time_s(s), scans.pose(s), read, s >= own);
+    if (ahead && s < *ahead) continue;
     grids.Update(scans.pose(s), read);
-    if (watch_motion)
-      motion.Update(static_cast<std::int64_t>(s), scans.time_s(s), scans.pose(s), read, s >= own);
     if (s < own) continue;
     scale.Update(scans.pose(s), read);
     EdgeHistogram edges{};

@@ -1,6 +1,9 @@
 // The first rounds: local grids over segments of runs tell how edges lie.
 #pragma once
 
+#include <cstddef>
+#include <optional>
+
 #include "pipelines/local_map/grids/grid_options.h"
 #include "pipelines/local_map/tasks/scan_reader.h"
 #include "pipelines/pipeline.h"
@@ -11,8 +14,9 @@ namespace cairn::local_map {
 // poses, of each scan from `own` on. `along2_m2`, `along_distance_m2` of approaches to walls
 // (path/scale_watch.h), which mean something where walls lie along the axes.
 // `motion/`: what the scans contradict of the rows' motion (path/motion_watch.h), its scans counted from the
-// task's first; only where `watch_motion`.
-Blob WatchWalls(ScanReader& scans, std::size_t own, bool watch_motion, GridOptions options,
-                Progress& progress);
+// task's first; only where `ahead` says how many scans at the beginning are of an earlier run, which serve
+// the motion alone.
+Blob WatchWalls(ScanReader& scans, std::size_t own, const std::optional<std::size_t>& ahead,
+                GridOptions options, Progress& progress);
 
 }  // namespace cairn::local_map
