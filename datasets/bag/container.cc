@@ -88,7 +88,8 @@ std::vector<std::string> BagFilesOf(const std::string& path) {
 
 double SecondsOf(std::int64_t ns) {
   constexpr std::int64_t kSecond_ns = 1'000'000'000;
-  return static_cast<double>(ns / kSecond_ns) + 1e-9 * static_cast<double>(ns % kSecond_ns);
+  const std::int64_t whole_s = ns / kSecond_ns;
+  return static_cast<double>(whole_s) + 1e-9 * static_cast<double>(ns - whole_s * kSecond_ns);
 }
 
 std::string TypeName(std::string type) {
