@@ -46,7 +46,8 @@ TEST_F(Quotas, ASubmitterHasSoManyJobsThatHaveNotEndedAndNoMore) {
   EXPECT_EQ(JobCount(), 2u);
   EXPECT_EQ(Count(RefusalKind::kQuota), 1u);
   EXPECT_TRUE(Submit(other_).ok()) << "another's are another's";
-  ASSERT_TRUE(Ask(submitter_, Query("cancel", first)).reply().ok());
+  const wire::Envelope cancelled = Ask(submitter_, Query("cancel", first));
+  ASSERT_TRUE(cancelled.reply().ok()) << cancelled.ShortDebugString();
   EXPECT_TRUE(Submit(submitter_).ok());
 }
 
