@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "schema/blob_part.h"
 #include "schema/numerics.h"
 #include "schema/service_manager_testing.h"
 #include "schema/wire/poller.h"
@@ -101,9 +102,18 @@ TEST_F(WorkerProcess, FetchesComputesAndAnswers) {
     ASSERT_TRUE(router_->Send(peer, assign).ok());
     wire::Received done = Receive();
     while (done.message.envelope.has_fetch()) {  // what it does not have yet
+      const wire::Fetch& fetch = done.message.envelope.fetch();
+      const wire::NamedBlob& whole = blobs.at(fetch.hash());
       wire::Message data;
-      data.envelope.mutable_blob();
-      data.blobs = {blobs.at(done.message.envelope.fetch().hash())};
+      data.blobs = {whole};
+      wire::BlobData& is = *data.envelope.mutable_blob();
+      if (fetch.has_part()) {
+        const Result<BlobPtr> part = CutPart(*whole.blob, fetch.part());
+        ASSERT_TRUE(part.ok()) << part.status().message();
+        is.set_of(fetch.hash());
+        *is.mutable_part() = fetch.part();
+        data.blobs = {wire::NameBlob(part.value())};
+      }
       ASSERT_TRUE(router_->Send(peer, data).ok());
       done = Receive();
       ++fetches;
