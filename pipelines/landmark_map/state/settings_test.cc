@@ -78,7 +78,8 @@ TEST(Resolve, LandmarksThatImagesShowBesideEachOtherDoNotContend) {
   Blob log = SquareLog{.laps = 2, .side_m = 20.0, .ranged = true}.Make();
   auto bearing_rad = log.Get<double>("robot/0/observations/bearing_rad");
   std::vector<double> time_s, turned(bearing_rad.begin(), bearing_rad.end());
-  for (std::size_t k = 0; k < turned.size(); ++k) time_s.push_back(10.0 + 20.0 * static_cast<double>(k / 2));
+  for (std::size_t k = 0; k < turned.size(); ++k)
+    time_s.push_back(k % 2 == 0 ? 10.0 + 10.0 * static_cast<double>(k) : time_s.back());
   for (std::size_t k = 0; k < turned.size(); k += 2) turned[k] = 0.1;
   log.PutVector("robot/0/observations/time_s", time_s);
   log.PutVector("robot/0/observations/bearing_rad", turned);
