@@ -18,6 +18,8 @@ constexpr double kLeastCount = 2.0;
 constexpr double kLeastRate = 0.1;  // seen in so many of the images that looked there
 constexpr double kTogether = 0.1;   // of its images show the other too: they are two
 constexpr double kNeeded = 0.02;    // of its range-bearing observations no other landmark could have
+constexpr double kLooksKnown = 4;   // how often a landmark is seen is known as after so many looks at it
+constexpr double kFew = 2;          // nats against a landmark that is seen a few times only
 constexpr std::int32_t kNoLandmark = -1;
 
 double Distance(const Point& a, const Point& b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
@@ -38,6 +40,7 @@ struct FieldOfView {
     range_m = NineTenths(&ranges);
     half_rad = NineTenths(&angles);
   }
+  double area_m2() const { return range_m * range_m * half_rad; }
   bool Holds(const ImageObservations& image, const Point& position) const {
     return Distance(image.from, position) <= range_m && std::abs(Angle(image, position)) <= half_rad;
   }
@@ -55,6 +58,14 @@ struct FieldOfView {
     return (*values)[static_cast<std::size_t>(at)];
   }
 };
+
+// ln x (x + 1) … (x + n - 1).
+double LogRising(double x, double n) {
+  double sum = 0;
+  for (double i = 0; i < n; ++i) sum += std::log(x + i);
+  return sum;
+}
+double LogChoose(double n, double k) { return LogRising(n - k + 1, k) - LogRising(1, k); }
 
 // Which images would have shown what has no name, were it there. Those that show names alone are of the same
 // sensor where a good part of the robot's others show names, too.
@@ -101,6 +112,7 @@ class ImageClusters {
   void MergeDoubles();
   void DropNeedless();
   void DropWeak();
+  void DropAccidental();
   ImageLandmarks Result() const;
 
  private:
@@ -240,12 +252,17 @@ class ImageClusters {
     return observations;
   }
 
+  double LogOddsOfLandmark(std::size_t k, double unexplained, double rate) const;
+
   double Looked(const Point& position) const {
     double images = 0;
     for (std::size_t i = 0; i < images_.size(); ++i)
       images += looked_[i] && view_.Holds(images_[i], position) ? 1 : 0;
     return images;
   }
+
+  // Some see further than the most do.
+  double Looks(std::size_t k) const { return std::max(count_[k], Looked(positions_[k])); }
 
   const std::vector<ImageObservations>& images_;
   const ImageRules& rules_;
@@ -300,6 +317,43 @@ void ImageClusters::DropWeak() {
   std::vector<bool> keep;
   for (std::size_t k = 0; k < positions_.size(); ++k) {
     keep.push_back(IsNamed(k) || count_[k] >= std::max(kLeastCount, kLeastRate * Looked(positions_[k])));
+  }
+  Keep(keep);
+}
+
+// How much likelier it is that landmark k is one, seen `rate` of the times that images look there, than that
+// its observations are false ones that fell together: those that are `unexplained` fall anywhere in what
+// images show, and each of them may have others beside it.
+double ImageClusters::LogOddsOfLandmark(std::size_t k, double unexplained, double rate) const {
+  const double n = count_[k], missed = Looks(k) - n;
+  const double seen = kLooksKnown * rate, not_seen = kLooksKnown - seen;  // of a beta distribution
+  const double landmark = LogChoose(n + missed, n) + LogRising(seen, n) + LogRising(not_seen, missed) -
+                          LogRising(kLooksKnown, n + missed);
+  const double images_m2 = view_.area_m2() * static_cast<double>(std::ranges::count(looked_, true));
+  const double beside =
+      std::min(0.5, unexplained * std::numbers::pi * gate_m_ * gate_m_ / images_m2);  // in one image
+  const double chance = std::log(unexplained / n) + LogChoose(n + missed - 1, n - 1) +
+                        (n - 1) * std::log(beside) + missed * std::log1p(-beside);
+  return landmark - chance;
+}
+
+// The rarest first: what they leave is of no landmark either.
+void ImageClusters::DropAccidental() {
+  double unexplained = 0, seen = 0, looks = 0;
+  for (const auto& image : given_) unexplained += static_cast<double>(std::ranges::count(image, kNoLandmark));
+  if (unexplained == 0) return;
+  std::vector<std::size_t> order(positions_.size() - names_);
+  std::iota(order.begin(), order.end(), names_);
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return count_[k]; });
+  for (const std::size_t k : order) {
+    seen += count_[k];
+    looks += Looks(k);
+  }
+  const double rate = (seen + 1) / (looks + 2);
+  std::vector<bool> keep(positions_.size(), true);
+  for (const std::size_t k : order) {
+    keep[k] = LogOddsOfLandmark(k, unexplained, rate) > kFew;
+    if (!keep[k]) unexplained += count_[k];
   }
   Keep(keep);
 }
@@ -399,6 +453,7 @@ ImageLandmarks FindImageLandmarks(const std::vector<ImageObservations>& images, 
   clusters.DropNeedless();
   for (int pass = 0; pass < kPasses / 2; ++pass) clusters.Pass(/*births=*/false);
   clusters.DropWeak();
+  clusters.DropAccidental();
   return clusters.Result();
 }
 

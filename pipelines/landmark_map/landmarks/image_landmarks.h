@@ -55,9 +55,11 @@ struct ImageLandmarks {
 // what is left over begins a landmark; landmarks move to the mean of what they got. Of two within three sigma
 // that are hardly ever in one image the rarer goes; so does, in the end, one all of whose range-bearing
 // observations (but for one in fifty) could be of others that their images do not show; and always one that
-// was seen only once, or in less than a tenth of the images that looked at it. `named`: landmarks with names,
-// which stay where they are, and to which observations without a name are given, too, where their image does
-// not show them by name: so one beside them that is hardly ever shown together with them goes.
+// was seen only once, or in less than a tenth of the images that looked at it. Last go those few observations
+// of which are as likely false ones that fell together: as many as are of no landmark, anywhere. `named`:
+// landmarks with names, which stay where they are, and to which observations without a name are given, too,
+// where their image does not show them by name: so one beside them that is hardly ever shown together with
+// them goes.
 ImageLandmarks FindImageLandmarks(const std::vector<ImageObservations>& images, const ImageRules& rules,
                                   const std::vector<Point>& named = {});
 
