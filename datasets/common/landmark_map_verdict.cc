@@ -72,8 +72,9 @@ Verdict SearchVerdict(const Blob& result, bool at_a_distance, const SeenOnce& se
     verdict.why = "EM started once, no other map to compare with";
     if (search.why) verdict.why += " (" + search.why.Scalar() + ")";
   } else if (at_a_distance) {
-    // Not high: of simulated loops two in ten came out wrong though all starts agreed and everything fitted.
-    verdict.trust = std::min(confidence, Confidence::kFair);
+    verdict.trust = 3 * search.support.Scalar() < search.starts.Or(0)
+                        ? std::min(confidence, Confidence::kFair)
+                        : confidence;
     verdict.why = found;
   } else if (const auto unlike = Unlike(search)) {
     if (confidence == Confidence::kLow) verdict.trust = confidence;  // no rate is needed to doubt it
@@ -124,12 +125,12 @@ Verdict::Doubt OfMisfits(const kinds::LandmarkMap& map) {
 // landmarks the map may explain each of them by a landmark of its own.
 Verdict::Doubt OfWidths(const kinds::LandmarkMap& map) {
   const kinds::LandmarkMap::Fit& fit = map.fit;
-  constexpr double kWider = 1.5, kMuchWider = 3;
+  constexpr double kSaid = 1.5, kWider = 2, kMuchWider = 3;  // a data sheet errs by half, it is no worse map
   double wider = 0;
   for (std::size_t k = 0; k < fit.kind.OrNone().size(); ++k)
     if ((fit.kind[k] == "range" || fit.kind[k] == "bearing") && fit.stated[k] > 0)
       wider = std::max(wider, fit.found[k] / fit.stated[k]);
-  if (wider <= kWider) return {Confidence::kHigh};
+  if (wider <= kSaid) return {Confidence::kHigh};
   return {AtMost(wider, kWider, kMuchWider),
           fmt::format("ranges or bearings err by {:.1f} times what is stated, or was expected{}", wider,
                       !LandmarkThatMoves(map).empty() ? ""
@@ -253,10 +254,21 @@ Verdict::Doubt OfOneSided(const kinds::LandmarkMap& map, Verdict* verdict) {
                   map.robot[robot].one_sided_landmarks.Or(0))};
 }
 
+// Of the landmarks, the longer side of their box.
+double ExtentM(const kinds::LandmarkMap::Map& map) {
+  double extent_m = 0;
+  for (const std::span<const double> along : {map.landmark_x_m.OrNone(), map.landmark_y_m.OrNone()}) {
+    if (along.empty()) continue;
+    const auto [least, most] = std::ranges::minmax(along);
+    extent_m = std::max(extent_m, most - least);
+  }
+  return extent_m;
+}
+
 // A map may be as exact as it says and yet too vague to be called right.
 Verdict::Doubt OfUncertainty(const kinds::LandmarkMap& map, Verdict* verdict) {
-  constexpr double kVague_m = 1;
-  constexpr double k95 = 5.991;  // chi-square of two degrees of freedom
+  constexpr double kVague_m = 1, kVagueShare = 1.0 / 50;  // the latter of a large map
+  constexpr double k95 = 5.991;                           // chi-square of two degrees of freedom
   double most_m2 = 0;
   const std::span<const double> c = map.map.landmark_covariance_m2.OrNone();
   for (std::size_t i = 0; i + 3 < c.size(); i += 4) {
@@ -266,7 +278,7 @@ Verdict::Doubt OfUncertainty(const kinds::LandmarkMap& map, Verdict* verdict) {
   if (most_m2 == 0) return {Confidence::kHigh};
   const double radius_m = std::sqrt(k95 * most_m2);
   verdict->numbers.emplace_back("worst_landmark_95_m", radius_m);
-  if (radius_m <= kVague_m) return {Confidence::kHigh};
+  if (radius_m <= std::max(kVague_m, kVagueShare * ExtentM(map.map))) return {Confidence::kHigh};
   return {Confidence::kFair,
           fmt::format("by its own account the least certain landmark may be {:.1f} m off", radius_m)};
 }
@@ -323,6 +335,33 @@ Verdict::Doubt OfRangeOffsets(const kinds::LandmarkMap& map, Verdict* verdict) {
                                          std::abs(furthest_m), furthest_m > 0 ? "long" : "short")};
 }
 
+// Its way over all of its time.
+double MeanSpeed_mps(const kinds::LandmarkMap::RobotPoses& poses) {
+  const std::span<const double> time = poses.time_s.OrNone(), x = poses.x_m.OrNone(), y = poses.y_m.OrNone();
+  double way_m = 0;
+  for (std::size_t i = 1; i < x.size(); ++i) way_m += std::hypot(x[i] - x[i - 1], y[i] - y[i - 1]);
+  return way_m > 0 ? way_m / (time.back() - time.front()) : 0;
+}
+
+// The map hardly suffers, but the robot was not there when the path says so.
+Verdict::Doubt OfClocks(const kinds::LandmarkMap& map, Verdict* verdict) {
+  std::size_t furthest = 0;
+  double late_s = 0;
+  for (std::size_t r = 0; r < map.robot.size(); ++r) {
+    if (std::abs(map.robot[r].observations_late_s.Or(0)) <= std::abs(late_s)) continue;
+    late_s = map.robot[r].observations_late_s.Or(0);
+    furthest = r;
+  }
+  if (late_s == 0) return {Confidence::kHigh};
+  verdict->numbers.emplace_back("observations_late_s", late_s);
+  constexpr double kFar_m = 0.1;
+  const bool far = std::abs(late_s) * MeanSpeed_mps(map.robot[furthest].poses) > kFar_m;
+  return {far ? Confidence::kFair : Confidence::kHigh,
+          fmt::format("the observations of {} fit better some {:.2g} s {}: are its sensor's clock and its "
+                      "odometry's the same?",
+                      map.robots[furthest], std::abs(late_s), late_s > 0 ? "earlier" : "later")};
+}
+
 // Turns the observations tell well, whatever odometry says: MRCLAM's robots turn three quarters as far as
 // theirs, and are mapped well.
 Verdict::Doubt OfTurns(const kinds::LandmarkMap& map, Verdict* verdict) {
@@ -351,6 +390,13 @@ Verdict::Doubt WhereMuchIsLeftOut(bool all_named, double explained_share, Verdic
   return {Confidence::kLow, doubt.text + "; more than a fifth of the observations was left out"};
 }
 
+// Where landmarks have no names: false observations, which may make landmarks where they fall together.
+Verdict::Doubt OfFalse(bool all_named, double explained_share) {
+  constexpr double kMost = 0.02;
+  const bool many = !all_named && 1 - explained_share > kMost;
+  return {many ? Confidence::kFair : Confidence::kHigh};
+}
+
 // Of landmarks that observations name there is no search: the fit of the least squares is what the verdict
 // rests on. Else it may lower what the search says.
 void JudgeFit(const kinds::LandmarkMap& map, double explained_share, const SeenOnce& seen, Verdict* verdict) {
@@ -376,12 +422,13 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, const SeenO
   verdict->why = named ? fitted : verdict->why + "; " + fitted;
   verdict->Add(OfSeenOnce(seen, true));
   for (const Verdict::Doubt& doubt :
-       {OfMisfits(map),
+       {OfMisfits(map), OfFalse(all_named, explained_share),
         WhereMuchIsLeftOut(all_named, explained_share, WhereStartsDisagree(map, OfWidths(map))),
         WhereStartsDisagree(map, OfRun(fit)), WhereStartsDisagree(map, OfJumps(map)), OfHalves(fit),
         OfLandmarksOnOneSide(map, verdict), OfFewInCommon(map, verdict), OfHoles(map, verdict),
         OfPlaces(map, verdict), OfOneSided(map, verdict), OfUncertainty(map, verdict),
-        OfDistances(map, verdict), OfTurns(map, verdict), OfRangeOffsets(map, verdict)}) {
+        OfDistances(map, verdict), OfTurns(map, verdict), OfClocks(map, verdict),
+        OfRangeOffsets(map, verdict)}) {
     verdict->Add(doubt);
   }
 }

@@ -170,7 +170,20 @@ TEST(LandmarkMapVerdict, OfLandmarksWithoutNamesAtADistanceTheSearchAndTheFitTel
     return LandmarkMapVerdict(map);
   };
   const Verdict agreed = searched(5, 57.25, FittedMap(200, 1, 1, 0));
-  EXPECT_EQ(agreed.trust, Confidence::kFair) << "never high";
+  EXPECT_EQ(agreed.trust, Confidence::kHigh);
+  EXPECT_EQ(searched(3, 57.25, FittedMap(200, 1, 1, 0)).trust, Confidence::kFair) << "of 12 starts";
+  Blob some_false = FittedMap(200, 0, 0, 0);
+  std::vector<std::int32_t> of(200, 0);
+  std::fill_n(of.begin(), 5, -1);
+  some_false.PutVector("robot/0/observations/map_landmark", of);
+  EXPECT_EQ(searched(5, 57.25, some_false).trust, Confidence::kFair) << "where are the others?";
+  Blob moved = FittedMap(200, 0, 0, 0);
+  moved.PutScalar<std::int64_t>("fit/most_one_sided", 2);
+  moved.PutScalar<double>("fit/most_one_sided_s", 61.5);
+  EXPECT_EQ(searched(5, 57.25, moved).trust, Confidence::kFair);
+  EXPECT_NE(searched(5, 57.25, moved)
+                .why.find("2 landmarks were seen only before or only after 61.5 s, though the robot looked"),
+            std::string::npos);
   EXPECT_EQ(agreed.why.find("found from 5 of 12 starts, 57.2 nats ahead of the next different map; 199 "
                             "observations fit the map; 1 of"),
             0U)
@@ -179,8 +192,8 @@ TEST(LandmarkMapVerdict, OfLandmarksWithoutNamesAtADistanceTheSearchAndTheFitTel
   EXPECT_EQ(searched(5, 2.0, FittedMap(200, 1, 1, 0)).trust, Confidence::kLow);
   EXPECT_EQ(searched(5, 57.25, FittedMap(200, 10, 1, 0)).trust, Confidence::kFair);
   EXPECT_EQ(searched(5, 57.25, FittedMap(200, 50, 4, 0)).trust, Confidence::kLow);
-  EXPECT_EQ(searched(7, 57.25, FittedMap(200, 0, 0, 0, 4, 0.2)).trust, Confidence::kFair);
-  const Verdict few = searched(5, 57.25, FittedMap(200, 0, 0, 0, 4, 0.2));
+  EXPECT_EQ(searched(7, 57.25, FittedMap(200, 0, 0, 0, 4, 0.25)).trust, Confidence::kFair);
+  const Verdict few = searched(5, 57.25, FittedMap(200, 0, 0, 0, 4, 0.25));
   EXPECT_EQ(few.trust, Confidence::kLow) << "of 12 starts, and ranges err twice as much";
   EXPECT_NE(few.why.find("; most starts led to another map"), std::string::npos) << few.why;
   const Verdict carried = searched(5, 57.25, FittedMap(200, 0, 0, 1));
@@ -200,7 +213,7 @@ TEST(LandmarkMapVerdict, OdometryThatDoesNotFitIsLowWhereNothingHasAName) {
     map.PutVector("map/landmark_identity", identity);
     return LandmarkMapVerdict(map);
   };
-  EXPECT_EQ(slipped({-1, -1}, 0).trust, Confidence::kFair);
+  EXPECT_EQ(slipped({-1, -1}, 0).trust, Confidence::kHigh);
   EXPECT_EQ(slipped({-1, 0}, 1).trust, Confidence::kFair) << "one has a name";
   const Verdict nameless = slipped({-1, -1}, 1);
   EXPECT_EQ(nameless.trust, Confidence::kLow);
@@ -218,7 +231,7 @@ TEST(LandmarkMapVerdict, OfNamedLandmarksTheFitTells) {
   EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 10, 1, 0)).trust, Confidence::kFair);
   EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 50, 4, 0)).trust, Confidence::kLow);
   EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 1, 1, 0, 7)).trust, Confidence::kFair) << "one is far off";
-  EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 0, 0, 0, 4, 0.2)).trust, Confidence::kFair)
+  EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 0, 0, 0, 4, 0.25)).trust, Confidence::kFair)
       << "ranges err twice as much";
   EXPECT_EQ(LandmarkMapVerdict(FittedMap(200, 0, 0, 0, 4, 0.5)).trust, Confidence::kLow)
       << "five times as much: of this sensor nothing is known";
@@ -378,9 +391,25 @@ TEST(LandmarkMapVerdict, DataThatNoPathExplainsAreLow) {
   EXPECT_EQ(LandmarkMapVerdict(map).trust, Confidence::kNone);
 }
 
+// A robot of 1 m/s: a tenth of a second is a tenth of a metre.
+TEST(LandmarkMapVerdict, TwoClocksThatDifferAreSaid) {
+  Blob map = FittedMap(200, 0, 0, 0);
+  for (const char* name : {"time_s", "x_m"})
+    map.PutVector<double>(std::string("robot/0/poses/") + name, {0, 50, 100});
+  for (const char* name : {"y_m", "heading_rad"})
+    map.PutVector<double>(std::string("robot/0/poses/") + name, {0, 0, 0});
+  for (const double late_s : {0.05, 0.8, -0.8}) {
+    map.PutScalar("robot/0/observations_late_s", late_s);
+    const Verdict verdict = LandmarkMapVerdict(map);
+    EXPECT_EQ(verdict.trust, std::abs(late_s) > 0.1 ? Confidence::kFair : Confidence::kHigh) << late_s;
+    EXPECT_NE(verdict.why.find(late_s > 0 ? "s earlier: are" : "s later: are"), std::string::npos);
+  }
+}
+
 TEST(LandmarkMapVerdict, AVagueMapIsNotHigh) {
-  const auto spread = [](double sd_m) {
+  const auto spread = [](double sd_m, double extent_m = 10) {
     Blob map = FittedMap(200, 0, 0, 0);
+    map.PutVector<double>("map/landmark_x_m", {0, extent_m});
     // Along a diagonal: the axes alone would say less.
     map.Put("map/landmark_covariance_m2", Array::Of<double>({1, 2, 2}, {sd_m * sd_m / 2, sd_m * sd_m / 2,
                                                                         sd_m * sd_m / 2, sd_m * sd_m / 2}));
@@ -388,6 +417,7 @@ TEST(LandmarkMapVerdict, AVagueMapIsNotHigh) {
   };
   EXPECT_EQ(spread(0.4).trust, Confidence::kHigh);
   EXPECT_EQ(spread(0.45).trust, Confidence::kFair);
+  EXPECT_EQ(spread(0.45, 100).trust, Confidence::kHigh) << "1.1 of 100 m";
   EXPECT_NE(spread(2).why.find("may be 4.9 m off"), std::string::npos) << spread(2).why;
 }
 

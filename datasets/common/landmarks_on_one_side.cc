@@ -64,6 +64,18 @@ InCommon InCommonAt(const std::vector<RobotSeen>& robots, std::size_t r, std::si
   return {both, std::min(before, after)};
 }
 
+// Of maps without names that are right there are none.
+Verdict::Doubt OfSomeOnOneSide(const kinds::LandmarkMap& map, Verdict* verdict) {
+  const std::int64_t some = map.fit.most_one_sided.Or(0);
+  if (some == 0) return {Confidence::kHigh};
+  verdict->numbers.emplace_back("most_landmarks_on_one_side", static_cast<double>(some));
+  return {Confidence::kFair,
+          fmt::format("{} landmark{} seen only before or only after {:.1f} s, though the robot looked at {} "
+                      "on both sides of it: was something moved, or did odometry slip?",
+                      some, some == 1 ? " was" : "s were", map.fit.most_one_sided_s.Or(0),
+                      some == 1 ? "its place" : "their places")};
+}
+
 }  // namespace
 
 Verdict::Doubt OfLandmarksOnOneSide(const kinds::LandmarkMap& map, Verdict* verdict) {
@@ -71,7 +83,8 @@ Verdict::Doubt OfLandmarksOnOneSide(const kinds::LandmarkMap& map, Verdict* verd
   const std::int64_t one_sided = map.fit.one_sided.Or(0), two_sided = map.fit.two_sided.Or(0);
   const auto& identity = map.map.landmark_identity.OrNone();
   const bool nameless = !identity.empty() && std::ranges::all_of(identity, [](int id) { return id < 0; });
-  if (!nameless || one_sided < kLeast || one_sided <= kTimes * two_sided) return {Confidence::kHigh};
+  if (!nameless) return {Confidence::kHigh};
+  if (one_sided < kLeast || one_sided <= kTimes * two_sided) return OfSomeOnOneSide(map, verdict);
   verdict->numbers.emplace_back("landmarks_on_one_side", static_cast<double>(one_sided));
   verdict->numbers.emplace_back("landmarks_on_both_sides", static_cast<double>(two_sided));
   return {Confidence::kLow,

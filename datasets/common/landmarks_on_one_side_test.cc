@@ -33,9 +33,9 @@ Verdict VerdictOf(std::int64_t one_sided, std::int64_t two_sided,
 }
 
 TEST(LandmarksOnOneSide, AreALowMapWhereTheyAreThreeAndMoreThanTwiceTheOthers) {
-  EXPECT_EQ(VerdictOf(0, 0).trust, Confidence::kFair);
-  EXPECT_EQ(VerdictOf(2, 0).trust, Confidence::kFair) << "two may be chance";
-  EXPECT_EQ(VerdictOf(6, 3).trust, Confidence::kFair);
+  EXPECT_EQ(VerdictOf(0, 0).trust, Confidence::kHigh);
+  EXPECT_EQ(VerdictOf(2, 0).trust, Confidence::kHigh) << "two may be chance";
+  EXPECT_EQ(VerdictOf(6, 3).trust, Confidence::kHigh);
   EXPECT_EQ(VerdictOf(7, 3).trust, Confidence::kLow);
   const Verdict slipped = VerdictOf(12, 2);
   EXPECT_EQ(slipped.trust, Confidence::kLow);
@@ -68,9 +68,9 @@ Verdict WhereSeen(const std::vector<std::int32_t>& before, const std::vector<std
 }
 
 TEST(FewInCommon, AreALowMapWhereNoMoreThanHalfOfThemAreSeenOnBothSides) {
-  EXPECT_EQ(WhereSeen({0, 1, 2, 3}, {0, 1, 2, 3}).trust, Confidence::kFair);
-  EXPECT_EQ(WhereSeen({0, 1, 2, 3}, {1, 2, 3, 4, 5}).trust, Confidence::kFair) << "three of four";
-  EXPECT_EQ(WhereSeen({0, 1}, {4, 5}).trust, Confidence::kFair) << "so few may be chance";
+  EXPECT_EQ(WhereSeen({0, 1, 2, 3}, {0, 1, 2, 3}).trust, Confidence::kHigh);
+  EXPECT_EQ(WhereSeen({0, 1, 2, 3}, {1, 2, 3, 4, 5}).trust, Confidence::kHigh) << "three of four";
+  EXPECT_EQ(WhereSeen({0, 1}, {4, 5}).trust, Confidence::kHigh) << "so few may be chance";
   const Verdict slipped = WhereSeen({0, 1, 2, 3}, {2, 3, 4, 5});
   EXPECT_EQ(slipped.trust, Confidence::kLow);
   EXPECT_NE(slipped.why.find("; only 2 of the 4 landmarks on one side of observation 78 were seen on the "
@@ -82,7 +82,7 @@ TEST(FewInCommon, AreALowMapWhereNoMoreThanHalfOfThemAreSeenOnBothSides) {
 
 TEST(FewInCommon, CountWhatAnotherRobotSawOfBothSides) {
   EXPECT_EQ(WhereSeen({0, 1, 2, 3}, {2, 3, 4, 5}, -1, {0, 1, 4}).trust, Confidence::kLow) << "one beyond";
-  EXPECT_EQ(WhereSeen({0, 1, 2, 3}, {2, 3, 4, 5}, -1, {0, 1, 2, 3, 4, 5}).trust, Confidence::kFair);
+  EXPECT_EQ(WhereSeen({0, 1, 2, 3}, {2, 3, 4, 5}, -1, {0, 1, 2, 3, 4, 5}).trust, Confidence::kHigh);
 }
 
 TEST(LandmarksOnOneSide, AreNoSignWhereSomeHaveNames) {

@@ -44,7 +44,7 @@ struct LandmarkMap {
     RobotPoses poses;
     Column<std::int32_t> map_landmark;  // of each observation
     Column<double> probability, heading_drift_rad_per_m, heading_walk_rad_per_sqrt_m, turn_ratio,
-        distance_scale, turn_scale, range_offset_m, odometry_walk_rad_per_sqrt_m,
+        distance_scale, turn_scale, range_offset_m, observations_late_s, odometry_walk_rad_per_sqrt_m,
         odometry_turn_rad_per_sqrt_rad, odometry_way_m_per_sqrt_m, place_lead_nats;
     Column<std::int64_t> shared_landmarks, one_sided_landmarks;
     Beliefs beliefs;
@@ -60,6 +60,7 @@ struct LandmarkMap {
       field({"distance_scale", "", Positive()}, &Robot::distance_scale);
       field({"turn_scale", "", Positive()}, &Robot::turn_scale);
       field({"range_offset_m", "", Finite()}, &Robot::range_offset_m);
+      field({"observations_late_s", "", Finite()}, &Robot::observations_late_s);
       field({"odometry_walk_rad_per_sqrt_m", "", NotNegative()}, &Robot::odometry_walk_rad_per_sqrt_m);
       field({"odometry_turn_rad_per_sqrt_rad", "", NotNegative()}, &Robot::odometry_turn_rad_per_sqrt_rad);
       field({"odometry_way_m_per_sqrt_m", "", NotNegative()}, &Robot::odometry_way_m_per_sqrt_m);
@@ -132,9 +133,9 @@ struct LandmarkMap {
   struct Fit {
     Texts kind;
     Column<double> stated, found, longest_run_from_s, worst_time_s, worst_sigmas, worst_odometry_s,
-        fewest_common_s, one_sided_s;
+        fewest_common_s, one_sided_s, most_one_sided_s;
     Column<std::int64_t> observations, misfits, longest_run, odometry_misfits, fewest_common, one_sided,
-        two_sided;
+        two_sided, most_one_sided;
     Column<std::int32_t> worst_robot;
     Column<std::int32_t> misfit_landmark;
     Column<std::int64_t> landmark_misfits, landmark_observations;
@@ -153,6 +154,8 @@ struct LandmarkMap {
       field({"one_sided", "", From(0)}, &Fit::one_sided);
       field({"two_sided", "", From(0)}, &Fit::two_sided);
       field({"one_sided_s", "", Finite()}, &Fit::one_sided_s);
+      field({"most_one_sided", "", From(0)}, &Fit::most_one_sided);
+      field({"most_one_sided_s", "", Finite()}, &Fit::most_one_sided_s);
       field({"worst_robot", "W", IndexInto("robots")}, &Fit::worst_robot);
       field({"worst_time_s", "W", Finite()}, &Fit::worst_time_s);
       field({"worst_sigmas", "W", From(0)}, &Fit::worst_sigmas);

@@ -19,7 +19,7 @@ constexpr double kLeastRate = 0.1;  // seen in so many of the images that looked
 constexpr double kTogether = 0.1;   // of its images show the other too: they are two
 constexpr double kNeeded = 0.02;    // of its range-bearing observations no other landmark could have
 constexpr double kLooksKnown = 4;   // how often a landmark is seen is known as after so many looks at it
-constexpr double kFew = 2;          // nats against a landmark that is seen a few times only
+constexpr double kFew = 1;          // nats against a landmark that is seen a few times only
 constexpr std::int32_t kNoLandmark = -1;
 
 double Distance(const Point& a, const Point& b) { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }

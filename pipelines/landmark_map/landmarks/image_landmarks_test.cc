@@ -111,6 +111,22 @@ TEST(FindImageLandmarks, ANameNowAndThenMakesNoDouble) {
   }
 }
 
+// In one image of four a false one, anywhere among the landmarks: some lie together. One more landmark that
+// is seen in four images only is one, where nothing is false.
+TEST(FindImageLandmarks, FalseObservationsThatFellTogetherAreNoLandmarks) {
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6, 7, 8}) {
+    Rng rng(seed);
+    std::vector<ImageObservations> clean = ImagesOf({{-1.5, -1.5}, {1.5, -1.5}, {-1.5, 1.5}, {1.5, 1.5}}, 40);
+    std::vector<ImageObservations> cluttered = clean;
+    for (std::size_t i = 0; i < clean.size(); ++i) {
+      if (i % 4 == 0) cluttered[i].seen.push_back({rng.Uniform(-1, 1), rng.Uniform(-1, 1)});
+      if (i % 10 == 0) clean[i].seen.push_back({0.0, 0.0});
+    }
+    EXPECT_EQ(FindImageLandmarks(clean, {kSigmaM, 0.05, 0}).landmarks.size(), 5U);
+    EXPECT_EQ(FindImageLandmarks(cluttered, {kSigmaM, 0.05, 0}).landmarks.size(), 4U) << seed;
+  }
+}
+
 // What comes by, without a name, while the same sensor names what stands there; where a sensor of its own, in
 // images of its own, shows what has no name, those that show names alone say nothing of it.
 TEST(FindImageLandmarks, ImagesThatShowNamesAloneLookedThereTooWhereTheSensorIsTheSame) {

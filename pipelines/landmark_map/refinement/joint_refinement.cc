@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -73,40 +72,18 @@ std::vector<Eigen::Vector3d> EmPath(const AssociatedPath& path, const Odometry& 
   return nodes;
 }
 
-// The problem up to some node of each robot.
-LeastSquaresProblem Beginning(const LeastSquaresProblem& whole, double until_s) {
-  LeastSquaresProblem part = whole;
-  for (NodeTrack& track : part.robots) {
-    const auto nodes =
-        std::max<std::ptrdiff_t>(1, std::ranges::upper_bound(track.time_s, until_s) - track.time_s.begin());
-    track.time_s.resize(static_cast<std::size_t>(nodes));
-    track.controls.resize(static_cast<std::size_t>(nodes - 1));
-  }
-  std::erase_if(part.sightings, [&](const Sighting& seen) {
-    return static_cast<std::size_t>(seen.node) >=
-           part.robots[static_cast<std::size_t>(seen.robot)].time_s.size();
-  });
-  return part;
-}
-
 // From odometry alone, half as much of the data again at a time: each part is settled before the next is
 // reckoned from where it ends. `first`: the first pose of each robot.
 LeastSquaresPoint TakenUpByOdometry(const LeastSquaresProblem& problem, const LeastSquaresPoint& first) {
   constexpr std::size_t kFirst = 20;
-  std::vector<double> times;
-  for (const Sighting& seen : problem.sightings)
-    times.push_back(
-        problem.robots[static_cast<std::size_t>(seen.robot)].time_s[static_cast<std::size_t>(seen.node)]);
-  std::ranges::sort(times);
   LeastSquaresPoint point;
   for (const auto& nodes : first.nodes) point.nodes.push_back({nodes.front()});
   point.landmarks = first.landmarks;
   point.errors.resize(problem.robots.size());
   std::vector<bool> placed(point.landmarks.size(), false);
   for (std::size_t count = kFirst;; count += count / 2) {
-    const bool all = count >= times.size();
-    const LeastSquaresProblem part =
-        Beginning(problem, all ? std::numeric_limits<double>::infinity() : times[count - 1]);
+    const bool all = count >= problem.sightings.size();
+    const LeastSquaresProblem part = Beginning(problem, count);
     for (std::size_t r = 0; r < part.robots.size(); ++r) {
       auto& nodes = point.nodes[r];
       NodeTrack rest;
@@ -222,7 +199,7 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
                               const std::vector<RowAssociations>& rows, const Settings& settings,
                               const std::vector<Landmark>& landmarks) {
   const Built built = Build(log, paths, rows, settings, landmarks);
-  if (built.problem.sightings.empty()) return {"no observation is of a landmark", landmarks, {}, {}};
+  if (built.problem.sightings.empty()) return {"no observation is of a landmark", landmarks, {}, {}, {}};
   const double em_cost = CostOf(built.problem, built.em);
   constexpr int kMostSteps = 50;
   LeastSquaresEnd end = Descend(built.problem, built.em, kMostSteps, kNearTheLeast);
@@ -232,7 +209,7 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
     if (other.cost < end.cost) end = other;
   }
   if (!(end.cost <= em_cost))
-    return {"the least squares explains less than EM's own path", landmarks, {}, {}};
+    return {"the least squares explains less than EM's own path", landmarks, {}, {}, {}};
 
   LeastSquaresProblem problem = built.problem;
   bool solved = Settle(built.problem, &problem, &end);
@@ -240,15 +217,19 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
     problem.priors.range_m = OffsetPrior_m(problem);
     solved = Settle(built.problem, &problem, &end);
   }
-  if (!solved) return {"the least squares has no solution", landmarks, {}, {}};
+  if (!solved) return {"the least squares has no solution", landmarks, {}, {}, {}};
   constexpr double kMostScale = 0.5;
   for (const SystematicErrors& errors : end.point.errors) {
     if (!(std::max(std::abs(errors.way), std::abs(errors.turn)) < kMostScale))
-      return {kinds::kOdometryWrongByHalf, landmarks, {}, {}};
+      return {kinds::kOdometryWrongByHalf, landmarks, {}, {}, {}};
   }
   const LeastSquaresCovariances covariances = CovariancesOf(problem, end.point);
-  if (covariances.landmarks.empty()) return {"the least squares has no solution", landmarks, {}, {}};
-  JointRefinement refined{"", landmarks, {}, FitOf(built.problem, problem, end.point)};
+  if (covariances.landmarks.empty()) return {"the least squares has no solution", landmarks, {}, {}, {}};
+  JointRefinement refined{"",
+                          landmarks,
+                          {},
+                          FitOf(built.problem, problem, end.point),
+                          FindClockShifts(problem, end.point, built.odometry)};
   std::vector<bool> seen(landmarks.size(), false);
   for (const Sighting& sighting : problem.sightings) seen[static_cast<std::size_t>(sighting.landmark)] = true;
   for (std::size_t l = 0; l < landmarks.size(); ++l) {

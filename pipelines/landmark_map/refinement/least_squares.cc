@@ -13,6 +13,27 @@ constexpr double kLeastDecrease = 1e-3;  // nats that a step must promise
 
 }  // namespace
 
+LeastSquaresProblem Beginning(const LeastSquaresProblem& whole, std::size_t sightings) {
+  if (sightings >= whole.sightings.size()) return whole;
+  std::vector<double> times;
+  for (const Sighting& seen : whole.sightings)
+    times.push_back(
+        whole.robots[static_cast<std::size_t>(seen.robot)].time_s[static_cast<std::size_t>(seen.node)]);
+  std::ranges::sort(times);
+  LeastSquaresProblem part = whole;
+  for (NodeTrack& track : part.robots) {
+    const auto nodes = std::max<std::ptrdiff_t>(
+        1, std::ranges::upper_bound(track.time_s, times[sightings - 1]) - track.time_s.begin());
+    track.time_s.resize(static_cast<std::size_t>(nodes));
+    track.controls.resize(static_cast<std::size_t>(nodes - 1));
+  }
+  std::erase_if(part.sightings, [&](const Sighting& seen) {
+    return static_cast<std::size_t>(seen.node) >=
+           part.robots[static_cast<std::size_t>(seen.robot)].time_s.size();
+  });
+  return part;
+}
+
 Eigen::Vector2d PlaceSeen(const Eigen::Vector3d& node, const Sighting& seen, double offset_m) {
   const double cosine = std::cos(node[2]), sine = std::sin(node[2]);
   const double share = seen.contact() ? 1.0 : 1.0 - offset_m / std::hypot(seen.x_m, seen.y_m);

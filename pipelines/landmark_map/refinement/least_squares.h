@@ -52,6 +52,9 @@ struct LeastSquaresProblem {
   SystematicPriors priors;
 };
 
+// With the first so many sightings alone, and of each robot the nodes up to the last of them.
+LeastSquaresProblem Beginning(const LeastSquaresProblem& whole, std::size_t sightings);
+
 // A point in the space of the unknowns.
 struct LeastSquaresPoint {
   std::vector<std::vector<Eigen::Vector3d>> nodes;  // of each robot: x, y, heading, unwrapped along the track

@@ -170,6 +170,10 @@ Blob ModelFit::ToBlob(const std::vector<Landmark>& landmarks, int types) const {
     fit.two_sided = sides.two_sided;
     fit.one_sided_s = sides.at_s;
   }
+  if (sides.most > 0) {
+    fit.most_one_sided = sides.most;
+    fit.most_one_sided_s = sides.most_at_s;
+  }
   fit.worst_robot = cairn::ColumnOf(worst, &Misfit::robot);
   fit.worst_time_s = cairn::ColumnOf(worst, &Misfit::time_s);
   fit.worst_sigmas = cairn::ColumnOf(worst, &Misfit::sigmas);

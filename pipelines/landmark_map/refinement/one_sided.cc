@@ -91,12 +91,18 @@ class Sides {
     }
   }
 
-  // At_s is its node.
+  // The moments in nodes.
   OneSided Worst() const {
     OneSided worst;
     for (std::size_t at = 0; at < balance_.size(); ++at) {
+      const std::int64_t one_sided = balance_[at].one_sided;
+      if (one_sided > worst.most) {
+        worst.most = one_sided;
+        worst.most_at_s = nodes_[at];
+      }
       if (balance_[at].Excess() <= worst.Excess()) continue;
-      worst = balance_[at];
+      worst.one_sided = one_sided;
+      worst.two_sided = balance_[at].two_sided;
       worst.at_s = nodes_[at];
     }
     return worst;
@@ -149,10 +155,16 @@ OneSided FindOneSided(const LeastSquaresProblem& problem, const LeastSquaresPoin
       sides.Add({begin, end}, point.landmarks[static_cast<std::size_t>(begin->landmark)]);
       begin = end;
     }
-    OneSided of_robot = sides.Worst();
+    const OneSided of_robot = sides.Worst();
+    const auto time_s = [&](double node) { return problem.robots[r].time_s[static_cast<std::size_t>(node)]; };
+    if (of_robot.most > worst.most) {
+      worst.most = of_robot.most;
+      worst.most_at_s = time_s(of_robot.most_at_s);
+    }
     if (of_robot.Excess() <= worst.Excess()) continue;
-    of_robot.at_s = problem.robots[r].time_s[static_cast<std::size_t>(of_robot.at_s)];
-    worst = of_robot;
+    worst.one_sided = of_robot.one_sided;
+    worst.two_sided = of_robot.two_sided;
+    worst.at_s = time_s(of_robot.at_s);
   }
   return worst;
 }

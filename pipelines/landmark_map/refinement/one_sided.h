@@ -10,10 +10,13 @@
 namespace cairn::landmark_map {
 
 // Of the robot and the moment for which there are most one-sided landmarks beyond twice as many as the
-// others; all 0 where there are nowhere so many.
+// others; these are 0 where there are nowhere so many.
 struct OneSided {
   std::int64_t one_sided = 0, two_sided = 0;  // landmarks, of those that both sides looked at
   double at_s = 0;                            // the last look before the moment
+  // The most one-sided ones at any moment, for any robot, whatever the others.
+  std::int64_t most = 0;
+  double most_at_s = 0;
   std::int64_t Excess() const { return one_sided - 2 * two_sided; }
 };
 

@@ -66,6 +66,17 @@ TEST(FindOneSided, TellsThemFromThoseSeenOnBothSides) {
   EXPECT_EQ(found.two_sided, 2);
 }
 
+// One post is moved a metre on between the passes: too few to be an excess, and counted all the same.
+TEST(FindOneSided, ALandmarkThatMovedIsTwoOnOneSideEach) {
+  const OneSided found =
+      TwoPasses{.on_m = 1.0, .taken_for = [](int post) { return post == 2 ? Ghost(post) : post; }}.Find();
+  EXPECT_EQ(found.one_sided, 0);
+  EXPECT_EQ(found.most, 2);
+  EXPECT_GE(found.most_at_s, 100.0);  // the last look at the post in the first pass, or later
+  EXPECT_LE(found.most_at_s, 200.0);
+  EXPECT_EQ(TwoPasses{}.Find().most, 0);
+}
+
 TEST(FindOneSided, LandmarksThatTheRobotComesToLateAreNone) {
   EXPECT_EQ((TwoPasses{.on_m = 100.0, .taken_for = Ghost}.Find().one_sided), 0);
 }

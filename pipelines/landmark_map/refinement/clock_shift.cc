@@ -1,0 +1,104 @@
+#include "pipelines/landmark_map/refinement/clock_shift.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+
+#include "pipelines/landmark_map/refinement/refined_path.h"
+
+namespace cairn::landmark_map {
+namespace {
+
+constexpr double kFirst_s = 0.1, kMost_s = 5.0;
+constexpr double kLeast_nats = 10.0, kLeastEach_nats = 0.02;  // to gain, in all and an observation
+constexpr std::size_t kMostSightings = 2000;                  // that many tell it as well as more
+
+// The odometry that a clock would have recorded which is so much later. Between two rows all goes on evenly.
+Odometry Later(Odometry odometry, double late_s) {
+  const Odometry was = odometry;
+  for (std::size_t i = 0; i < was.time_s.size(); ++i) {
+    const double time_s = std::clamp(was.time_s[i] - late_s, was.time_s.front(), was.time_s.back());
+    const auto after = std::ranges::upper_bound(was.time_s, time_s) - was.time_s.begin();
+    const auto k = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(after, 1, std::ssize(was.time_s) - 1));
+    const double length_s = was.time_s[k] - was.time_s[k - 1];
+    const double part = length_s > 0.0 ? (time_s - was.time_s[k - 1]) / length_s : 1.0;
+    odometry.x_m[i] = std::lerp(was.x_m[k - 1], was.x_m[k], part);
+    odometry.y_m[i] = std::lerp(was.y_m[k - 1], was.y_m[k], part);
+    odometry.heading_rad[i] = std::lerp(was.heading_rad[k - 1], was.heading_rad[k], part);
+  }
+  return odometry;
+}
+
+// One robot's observations at other times than they say, and what that costs.
+class Shifted {
+ public:
+  Shifted(const LeastSquaresProblem& problem, const LeastSquaresPoint& point, const Odometry& odometry,
+          std::size_t robot)
+      : problem_(problem), point_(point), odometry_(odometry), robot_(robot) {}
+
+  double Cost(double late_s) {
+    constexpr int kSteps = 20;
+    const Odometry later = Later(odometry_, late_s);
+    NodeTrack& track = problem_.robots[robot_];
+    for (std::size_t k = 0; k < track.controls.size(); ++k)
+      track.controls[k] = ControlsBetween(later, track.time_s[k], track.time_s[k + 1]);
+    return Descend(problem_, point_, kSteps).cost;
+  }
+
+ private:
+  LeastSquaresProblem problem_;
+  const LeastSquaresPoint& point_;
+  const Odometry& odometry_;
+  std::size_t robot_;
+};
+
+// Twice as far while that explains more, then halfway between.
+ClockShift FindShift(Shifted shifted) {
+  constexpr int kHalvings = 3;
+  const double none = shifted.Cost(0.0);
+  double from = 0.0, at = kFirst_s, to, least = shifted.Cost(at);
+  if (least >= none) least = shifted.Cost(at = -kFirst_s);
+  if (least >= none) return {};
+  for (to = 2.0 * at; std::abs(to) <= kMost_s; to *= 2.0) {
+    const double further = shifted.Cost(to);
+    if (further >= least) break;
+    from = std::exchange(at, to);
+    least = further;
+  }
+  for (int k = 0; k < kHalvings; ++k) {
+    const double nearer = std::midpoint(from, at), further = std::midpoint(at, to);
+    if (const double there = shifted.Cost(nearer); there < least) {
+      to = std::exchange(at, nearer);
+      least = there;
+    } else if (const double beyond = shifted.Cost(further); beyond < least) {
+      from = std::exchange(at, further);
+      least = beyond;
+    } else {
+      from = nearer;
+      to = further;
+    }
+  }
+  return {at, none - least};
+}
+
+}  // namespace
+
+std::vector<ClockShift> FindClockShifts(const LeastSquaresProblem& problem, const LeastSquaresPoint& point,
+                                        std::span<const Odometry> odometry) {
+  LeastSquaresProblem part = Beginning(problem, kMostSightings);
+  part.repeats = {};  // a shift that nobody takes off makes errors that go on
+  LeastSquaresPoint start = point;
+  for (std::size_t r = 0; r < odometry.size(); ++r) start.nodes[r].resize(part.robots[r].time_s.size());
+  std::vector<ClockShift> shifts;
+  for (std::size_t r = 0; r < odometry.size(); ++r) {
+    ClockShift shift = FindShift(Shifted(part, start, odometry[r], r));
+    const auto seen = std::ranges::count(part.sightings, static_cast<int>(r), &Sighting::robot);
+    if (shift.gain_nats < std::max(kLeast_nats, kLeastEach_nats * static_cast<double>(seen))) shift = {};
+    shifts.push_back(shift);
+  }
+  return shifts;
+}
+
+}  // namespace cairn::landmark_map
