@@ -1,8 +1,9 @@
 #include "pipelines/landmark_map/refinement/contradictions.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 
 #include "schema/kinds/log.h"
@@ -87,17 +88,15 @@ std::vector<InTwoPlaces> LandmarksInTwoPlaces(const LayeredGrid& counts, const M
     const std::vector<Landmark> places = Places(count, rules);
     if (places.size() < 2 || places[1].count < std::max(kLeastElsewhere, kShareElsewhere * count.Sum()))
       continue;
-    char text[400];
-    std::snprintf(
-        text, sizeof text,
-        "' stands in two places: %.0f of its %.0f observations are around (%.2f, %.2f) m, %.0f around "
-        "(%.2f, %.2f) m; %s",
-        places[0].count, count.Sum(), places[0].x_m, places[0].y_m, places[1].count, places[1].x_m,
-        places[1].y_m, kCausesOfNamed);
+    const std::string text = fmt::format(
+        "the log contradicts itself: landmark '{}' stands in two places: {:.0f} of its {:.0f} observations "
+        "are "
+        "around ({:.2f}, {:.2f}) m, {:.0f} around ({:.2f}, {:.2f}) m; {}",
+        names[static_cast<std::size_t>(type)], places[0].count, count.Sum(), places[0].x_m, places[0].y_m,
+        places[1].count, places[1].x_m, places[1].y_m, kCausesOfNamed);
     found.push_back({type,
                      std::hypot(places[0].x_m - places[1].x_m, places[0].y_m - places[1].y_m),
-                     "the log contradicts itself: landmark '" + names[static_cast<std::size_t>(type)] + text +
-                         HolesIn(log),
+                     text + HolesIn(log),
                      {places[0].x_m, places[0].y_m},
                      {places[1].x_m, places[1].y_m}});
   }
@@ -134,14 +133,18 @@ void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
     }
     const double gain = sum.log_likelihood_of(r) - all_false;
     if (gain > kLeastGain * count) continue;
-    char text[256];
-    std::snprintf(
-        text, sizeof text,
-        "' fits nowhere into the first robot's map: its %.0f observations are %.1f nats likelier there "
-        "than if every one were false; was it ever where the first robot was?",
-        count, gain);
-    throw RobotsContradictError("robot '" + robots[r] + text + NamesMissing(Read<kinds::Log>(log), r) +
-                                kCausesOfErrors + HolesIn(log));
+    const std::string than_false =
+        gain < 0 ? fmt::format("{:.1f} nats less likely there than if every one were false", -gain)
+                 : fmt::format(
+                       "{:.1f} nats likelier there than if every one were false, and more than {:.1f} "
+                       "would be where it belongs",
+                       gain, kLeastGain * count);
+    const std::string text = fmt::format(
+        "robot '{}' fits nowhere into the first robot's map: its {:.0f} observations are {}; was it ever "
+        "where the first robot was?",
+        robots[r], count, than_false);
+    throw RobotsContradictError(text + NamesMissing(Read<kinds::Log>(log), r) + kCausesOfErrors +
+                                HolesIn(log));
   }
 }
 
@@ -154,10 +157,8 @@ void CheckRobotsAgree(const RoundSum& sum, const Blob& history, double places, s
   const double alone = likelihoods[static_cast<std::size_t>(joined - robots.begin() - 1)];
   const double lost = alone - sum.log_likelihood_of(0);
   if (lost <= std::max(std::log(places), kMostLoss * static_cast<double>(observations))) return;
-  char text[256];
-  std::snprintf(
-      text, sizeof text,
-      "the robots contradict each other: in the map of all, what the first robot saw is %.1f nats less "
+  const std::string text = fmt::format(
+      "the robots contradict each other: in the map of all, what the first robot saw is {:.1f} nats less "
       "likely than in its own; ",
       lost);
   const std::string seen = SeenByTwo(Read<kinds::Log>(log));

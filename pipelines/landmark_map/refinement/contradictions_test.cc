@@ -127,6 +127,35 @@ TEST(CheckRobotsAgree, WhereNamesSayThatTheyMetTheSameTheyWereNotElsewhere) {
       ExpectContains(reason, option);
 }
 
+// Of a second robot whose ten observations are worth so much under the first one's map.
+std::string WhyItFitsNowhere(double log_likelihood) {
+  Blob of_robots = RoundSum(Settings(), 2).ToBlob();
+  of_robots.PutVector("log_likelihood_of", std::vector<double>{0.0, log_likelihood});
+  Perception perception;
+  perception.likelihood = CountsAt(1.0, 1.0);
+  perception.outside = {1.0, 1.0};
+  std::vector<RobotSteps> steps(2);
+  steps[1].observations.resize(10);
+  Blob log = Named("tower");
+  log.Put("robots", Array::Texts({"one", "two"}));
+  try {
+    CheckRobotsFitTheMap(RoundSum::FromBlob(Settings(), of_robots, 2), perception, steps, log);
+  } catch (const RobotsContradictError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CheckRobotsFitTheMap, SaysWhetherItFitsWorseThanFalseOnesOrNotBetterByEnough) {
+  ExpectContains(WhyItFitsNowhere(-54.0),
+                 "its 10 observations are 54.0 nats less likely there than if every one were false; was it");
+  ExpectContains(
+      WhyItFitsNowhere(1.0),
+      "its 10 observations are 1.0 nats likelier there than if every one were false, and more than "
+      "2.5 would be where it belongs; was it");
+  EXPECT_EQ(WhyItFitsNowhere(2.6), "");
+}
+
 TEST(LandmarkMap, ARobotThatNeverMeetsTheOthersLandmarksIsRefused) {
   Blob log = SquareLog{.laps = 4, .side_m = 20.0, .ranged = true, .identified = true}.Make();
   Blob other = SquareLog{.laps = 4, .side_m = 20.0, .ranged = true, .identified = true, .seed = 2}.Make();
