@@ -5,15 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string_view>
 
 #include "pipelines/landmark_map/model/sensing.h"
 
 namespace cairn::landmark_map {
 namespace {
-
-constexpr double kDegree_rad = std::numbers::pi / 180.0;
 
 // Logs of one kind: the least and the largest of each figure, and of the landmarks that were observed.
 struct Measured {
@@ -25,24 +22,24 @@ struct Measured {
 //   for d in paper base hard extreme museum; do topology_rate $d 1 120 --figures; done
 // prints them (61 to 100, on which nothing was measured, are drawn from the same worlds).
 constexpr std::array<Measured, 5> kMeasured = {{
-    {{21, 315.7, 12.32, 0.2878, 0.1, 0.5, 0.01, 0.01, 0.2},
-     {24, 361.7, 16.86, 1.125, 0.2, 1, 0.03, 0.03, 0.4},
+    {{21, 315.7, 12.32, 0.2878, 0.001745, 0.008727, 0.01, 0.01, 0.2},
+     {24, 361.7, 16.86, 1.125, 0.003491, 0.01745, 0.03, 0.03, 0.4},
      12,
      16},  // paper
-    {{65, 952.1, 13.12, 0.355, 0.04, 0.3, 0.01, 0.01, 0.2},
-     {70, 1052, 16.33, 0.7034, 0.09, 0.7, 0.03, 0.03, 0.4},
+    {{65, 952.1, 13.12, 0.355, 0.0006981, 0.005236, 0.01, 0.01, 0.2},
+     {70, 1052, 16.33, 0.7034, 0.001571, 0.01222, 0.03, 0.03, 0.4},
      15,
      20},  // base
-    {{65, 947, 13.17, 0.3546, 0.1, 0.7, 0.01, 0.01, 0.2},
-     {70, 1050, 16.2, 0.6987, 0.3, 1, 0.03, 0.03, 0.4},
+    {{65, 947, 13.17, 0.3546, 0.001745, 0.01222, 0.01, 0.01, 0.2},
+     {70, 1050, 16.2, 0.6987, 0.005236, 0.01745, 0.03, 0.03, 0.4},
      15,
      20},  // hard
-    {{22, 566.3, 21.41, 0.2552, 0.2, 0.7, 0.01, 0.01, 0.2},
-     {27, 646.4, 27.41, 0.8714, 0.4, 1, 0.03, 0.03, 0.4},
+    {{22, 566.3, 21.41, 0.2552, 0.003491, 0.01222, 0.01, 0.01, 0.2},
+     {27, 646.4, 27.41, 0.8714, 0.006981, 0.01745, 0.03, 0.03, 0.4},
      12,
      17},  // extreme
-    {{50, 710.1, 13.33, 0.3025, 0.1, 0.3, 0.01, 0.01, 0.2},
-     {50, 798.9, 16.67, 0.7237, 0.3, 0.7, 0.03, 0.03, 0.4},
+    {{50, 710.1, 13.33, 0.3025, 0.001745, 0.005236, 0.01, 0.01, 0.2},
+     {50, 798.9, 16.67, 0.7237, 0.005236, 0.01222, 0.03, 0.03, 0.4},
      14,
      20},  // museum
 }};
@@ -55,7 +52,6 @@ bool Within(double value, double least, double most) {
 std::string Text(double value) { return fmt::format("{:.3g}", value); }
 
 std::string Beyond(const std::string& name, double value, double least, double most) {
-  if (value == 0.0) return name + " is not stated";
   return name + " is " + Text(value) + ", not " + Text(least) + " to " + Text(most);
 }
 
@@ -110,11 +106,15 @@ std::vector<std::string> BeyondOf(const LogStatistics& log, double landmarks, co
   std::vector<std::string> beyond;
   std::size_t k = 0;
   VisitLogStatistics(log, [&](const char* name, double value) {
-    if (!Within(value, least[k], most[k])) beyond.push_back(Beyond(name, value, least[k], most[k]));
+    if (value == 0.0 && k >= kMeasuredFigures)
+      beyond.push_back(std::string("it does not state ") + name);
+    else if (!Within(value, least[k], most[k]))
+      beyond.push_back(Beyond(name, value, least[k], most[k]));
     ++k;
   });
   if (!Within(landmarks, measured.least_landmarks, measured.most_landmarks))
-    beyond.push_back(Beyond("landmarks", landmarks, measured.least_landmarks, measured.most_landmarks));
+    beyond.push_back(Beyond("landmarks", landmarks,
+                            measured.least_landmarks, measured.most_landmarks));
   return beyond;
 }
 
@@ -131,8 +131,8 @@ LogStatistics MeasureLog(const Blob& blob) {
           travelled_m,
           between.median_m,
           between.spread,
-          stated.heading_drift_rad_per_m.Or(0.0) / kDegree_rad,
-          stated.heading_walk_rad_per_sqrt_m.Or(0.0) / kDegree_rad,
+          stated.heading_drift_rad_per_m.Or(0.0),
+          stated.heading_walk_rad_per_sqrt_m.Or(0.0),
           stated.forward_ratio.Or(0.0),
           stated.turn_ratio.Or(0.0),
           stated.contact_m.Or(0.0)};

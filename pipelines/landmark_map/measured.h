@@ -19,11 +19,14 @@ struct LogStatistics {
   // From the tenth part of these distances that is shortest to the longest tenth, over the median: of
   // landmarks at even distances, as on a ring, it is nothing, and any of them may be taken for the next.
   double between_spread = 0;
-  double heading_drift_deg_per_m = 0, heading_walk_deg_per_sqrt_m = 0, forward_ratio = 0, turn_ratio = 0;
-  double contact_m = 0;  // as the log states them; 0: it does not
+  double heading_drift_rad_per_m = 0, heading_walk_rad_per_sqrt_m = 0, forward_ratio = 0, turn_ratio = 0;
+  double contact_m = 0;  // these as the log states them; 0: it does not
 };
 LogStatistics MeasureLog(const Blob& log);
 
+// The first of them, which are measured; the others are those of the log's `noise/`, and of the options of
+// the imports (schema/kinds/log.h).
+inline constexpr std::size_t kMeasuredFigures = 4;
 // Calls f(name, field) for each of them.
 template <class S, class F>
 void VisitLogStatistics(S& statistics, const F& f) {
@@ -31,8 +34,8 @@ void VisitLogStatistics(S& statistics, const F& f) {
   f("travelled_m", statistics.travelled_m);
   f("between_m", statistics.between_m);
   f("between_spread", statistics.between_spread);
-  f("heading_drift_deg_per_m", statistics.heading_drift_deg_per_m);
-  f("heading_walk_deg_per_sqrt_m", statistics.heading_walk_deg_per_sqrt_m);
+  f("heading_drift_rad_per_m", statistics.heading_drift_rad_per_m);
+  f("heading_walk_rad_per_sqrt_m", statistics.heading_walk_rad_per_sqrt_m);
   f("forward_ratio", statistics.forward_ratio);
   f("turn_ratio", statistics.turn_ratio);
   f("contact_m", statistics.contact_m);

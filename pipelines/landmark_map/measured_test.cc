@@ -24,15 +24,29 @@ TEST(MeasureLog, AreTheLogsOwn) {
   EXPECT_NEAR(statistics.between_m, 15.0, 0.5);
   EXPECT_LT(statistics.between_spread, 0.1) << "a square's corners lie at even distances";
   EXPECT_EQ(statistics.contact_m, 0.3);
-  EXPECT_NEAR(statistics.heading_drift_deg_per_m, 0.1, 1e-12);
+  EXPECT_EQ(statistics.heading_drift_rad_per_m, 0.0017453292519943296);
   EXPECT_EQ(statistics.turn_ratio, 0.0);
+}
+
+// What is not stated is called as the log calls it: so the imports call the option that states it, too.
+TEST(LogStatistics, HaveTheLogsNames) {
+  std::vector<std::string> of_noise;
+  kinds::Log::Noise::Fields([&](const Field& field, auto) { of_noise.emplace_back(field.name); });
+  const LogStatistics statistics;
+  std::size_t k = 0, stated = 0;
+  VisitLogStatistics(statistics, [&](const std::string& name, double) {
+    if (k++ < kMeasuredFigures) return;
+    ++stated;
+    EXPECT_NE(std::ranges::find(of_noise, name), of_noise.end()) << name;
+  });
+  EXPECT_GT(stated, 0U);
 }
 
 TEST(UnlikeMeasured, NamesEachDifference) {
   const Blob log = SquareLog{.laps = 2, .side_m = 15.0}.Make();
   const auto unlike = UnlikeMeasured({}, log, 4);
   EXPECT_TRUE(Says(unlike, "observations is 8, not "));
-  EXPECT_TRUE(Says(unlike, "contact_m is not stated"));
+  EXPECT_TRUE(Says(unlike, "it does not state contact_m"));
   EXPECT_TRUE(Says(unlike, "between_spread is "))
       << "landmarks at even distances: each may be taken for the next";
   EXPECT_TRUE(Says(unlike, "landmarks is 4, not "));

@@ -36,6 +36,40 @@ for command in $commands; do
   [[ $command =~ ^(worker|page)$ ]] || refuses 'no-such-option|required' cairn "$command" --no-such-option
 done
 
+# What messages, verdicts and helps tell people to do is there. An option that they name is one of the commands named before it
+# (`cairn import csv --range-m`); one by itself, of some command.
+options_in() { grep -oE -- '--[a-z][a-z-]*' | sort -u; }
+for command in $commands; do
+  for words in "$command" $(cairn "$command" --help | subcommands_in | sed "s/^/$command:/"); do
+    read -ra split <<<"${words//:/ }"
+    cairn "${split[@]}" --help | options_in >"help.$words"
+  done
+done
+for program in cairn-worker cairn-page cairn-reproduce cairn-sim; do
+  for words in "$program" $($program --help | subcommands_in | sed "s/^/$program:/"); do
+    read -ra split <<<"${words//:/ }"
+    "${split[@]}" --help | options_in >"help.$words"
+  done
+done
+# Of the sources' texts, with those that follow one another put together. What is said to other programs, styles and old names are not.
+find "$CAIRN_SOURCE"/{schema,pipelines,datasets,coordinator,worker} \( -name '*.cc' -o -name '*.h' \) |
+  grep -vE '_test\.|testing|schema/command_line|datasets/report/drawing|datasets/reproduce|scale/engines|on_slurm' |
+  xargs -d '\n' sed -z 's,\n *//[^\n]*,,g; s/"[[:space:]]*\n[[:space:]]*"//g' | tr -d '\000' | grep -aoE '"([^"\\]|\\.)*"' >texts
+named=0
+for of in help.*; do
+  words=${of#help.} && words=${words//:/ }
+  [ -z "$(compgen -G "$of:*")" ] || continue # what follows is a command of its own
+  [[ $words == cairn-* ]] || words="cairn $words"
+  while IFS= read -r option; do
+    grep -qxF -- "$option" "$of" || die "a message names an option that is not there: $words $option"
+    named=$((named + 1))
+  done < <(sed 's/--help`: /--help /g; s/\(.\)cairn/\1\ncairn/g' texts | sed -n "s/^$words \([^\`\";]*\).*/\1/p" | sed 's/ \(or\|and\|says\) .*//' | options_in)
+done
+[ "$named" -ge 40 ] || die "only $named options were named with a command"
+cat help.* | sort -u >known.options
+grep -aoE '(^"|[ (`'"'"'])--[a-z][a-z-]*' texts | options_in | grep -vxF -f known.options >unknown.options || true
+[ ! -s unknown.options ] || die "messages name options that are not there: $(tr '\n' ' ' <unknown.options)"
+
 # Whatever says facts says them for programs, too; those of `keys` and of `scale` are in their commands.
 for command in $commands; do
   for words in "$command" $(cairn "$command" --help | subcommands_in | sed "s/^/$command:/"); do
