@@ -113,7 +113,7 @@ std::vector<std::string> BeyondOf(const LogStatistics& log, double landmarks, co
     ++k;
   });
   if (!Within(landmarks, measured.least_landmarks, measured.most_landmarks))
-    beyond.push_back(Beyond("landmarks", landmarks,
+    beyond.push_back(Beyond("the number of landmarks in the search's map", landmarks,
                             measured.least_landmarks, measured.most_landmarks));
   return beyond;
 }

@@ -49,7 +49,7 @@ TEST(UnlikeMeasured, NamesEachDifference) {
   EXPECT_TRUE(Says(unlike, "it does not state contact_m"));
   EXPECT_TRUE(Says(unlike, "between_spread is "))
       << "landmarks at even distances: each may be taken for the next";
-  EXPECT_TRUE(Says(unlike, "landmarks is 4, not "));
+  EXPECT_TRUE(Says(unlike, "the number of landmarks in the search's map is 4, not "));
   EXPECT_FALSE(Says(unlike, "option"));
   EXPECT_FALSE(Says(unlike, "robots"));
   EXPECT_TRUE(Says(UnlikeMeasured({}, SquareLog{.identified = true}.Make(), 4), "have identities"));
