@@ -483,6 +483,7 @@ Verdict LandmarkMapVerdict(const Blob& result) {
         fmt::format("; {} of {} observations {} of none of its landmarks", observations - explained,
                     observations, observations - explained == 1 ? "is" : "are");
   if (2 * explained < observations) verdict.trust = Confidence::kLow;
+  for (const std::string& doubt : map.observation_doubts.OrNone()) verdict.Add({Confidence::kLow, doubt});
   if (const std::string moved = MovedText(result); !moved.empty()) {
     verdict.trust = std::min(verdict.trust, Confidence::kFair);
     verdict.why += "; " + moved;

@@ -37,6 +37,15 @@ TEST(LandmarkMapVerdict, StatesARateOnlyOfWhatItWasMeasuredOn) {
   }
 }
 
+TEST(LandmarkMapVerdict, WhatTheObservationsSayOfThemselvesMakesItLow) {
+  Blob result = Searched(7, 164.8);
+  EXPECT_EQ(LandmarkMapVerdict(result).trust, Confidence::kHigh);
+  result.Put("observation_doubts", Array::Texts({"robot 'one': all bearings are 0 rad"}));
+  EXPECT_EQ(LandmarkMapVerdict(result).trust, Confidence::kLow);
+  EXPECT_NE(TextOf(result).find("; robot 'one': all bearings are 0 rad"), std::string::npos)
+      << TextOf(result);
+}
+
 // Contact detections unlike those of which rates are known: that two maps are as good as each other, or that
 // most landmarks were seen once and passed again, tells all the same.
 TEST(LandmarkMapVerdict, OfContactsUnlikeThoseMeasuredWhatIsDoubtedIsLow) {

@@ -5,6 +5,7 @@
 #include <set>
 #include <span>
 
+#include "schema/kinds/constant_observations.h"
 #include "schema/kinds/log.h"
 #include "schema/text.h"
 
@@ -58,6 +59,7 @@ std::vector<std::string> ObservationDoubtsOf(const Blob& log) {
   std::vector<std::string> doubts;
   for (std::string& doubt : std::vector<std::string>{SharedNames(parts), HalfObservations(parts)})
     if (!doubt.empty()) doubts.push_back(std::move(doubt));
+  for (std::string& doubt : ConstantObservationsOf(log)) doubts.push_back(std::move(doubt));
   return doubts;
 }
 

@@ -46,5 +46,14 @@ TEST(ObservationDoubts, ARangeOrABearingAloneIsNone) {
   ExpectContains(ObservationDoubtsOf(missing)[0], "3 observations have a range");
 }
 
+TEST(ObservationDoubts, BearingsThatAreAllTheSameSayNothing) {
+  std::vector<double> range_m;
+  for (int i = 0; i < 20; ++i) range_m.push_back(1 + 0.1 * i);
+  const auto doubts = ObservationDoubtsOf(LogThatSaw({}, range_m, std::vector<double>(20, 0.0)));
+  ASSERT_EQ(doubts.size(), 1U);
+  ExpectContains(doubts[0], "robot '2': all bearings of its observations of landmarks are 0 rad");
+  EXPECT_TRUE(ObservationDoubtsOf(LogThatSaw({}, range_m, range_m)).empty());
+}
+
 }  // namespace
 }  // namespace cairn::datasets

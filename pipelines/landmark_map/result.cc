@@ -13,6 +13,7 @@
 #include "pipelines/landmark_map/refinement/robot_ties.h"
 #include "pipelines/landmark_map/state/given_map.h"
 #include "schema/geometry.h"
+#include "schema/kinds/constant_observations.h"
 #include "schema/kinds/landmark_map.h"
 
 namespace cairn::landmark_map {
@@ -349,6 +350,8 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   result.PutAll("history/", history);
   result.PutScalar<std::uint8_t>("refinement/done", map.not_refined.empty() ? 1 : 0);
   result.Put("refinement/reason", Array::Text(map.not_refined));
+  if (const auto doubts = ConstantObservationsOf(blob); !doubts.empty())
+    result.Put("observation_doubts", Array::Texts(doubts));
   if (!refined.paths.empty())
     result.PutAll("fit/", refined.fit.ToBlob(refined.landmarks, settings.map.types));
   PutTies(blob, refined, map.rows, settings, &result);

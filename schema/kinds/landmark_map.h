@@ -195,7 +195,7 @@ struct LandmarkMap {
     }
   };
 
-  Texts robots, landmarks, types, log_hash, refinement_reason;
+  Texts robots, landmarks, types, log_hash, refinement_reason, observation_doubts;
   Column<double> until_s;
   Column<std::int64_t> until_observations;
   std::vector<Robot> robot;
@@ -219,6 +219,7 @@ struct LandmarkMap {
     field("history", &LandmarkMap::history);
     field({"refinement/done", "", YesNo()}, &LandmarkMap::refinement_done);
     field({"refinement/reason", ""}, &LandmarkMap::refinement_reason);
+    field({"observation_doubts", "D"}, &LandmarkMap::observation_doubts);
     field("search", &LandmarkMap::search);
     field("fit", &LandmarkMap::fit);
     field("moved", &LandmarkMap::moved);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "schema/kinds/constant_observations.h"
 #include "schema/kinds/log.h"
 #include "schema/kinds/odometry_holes.h"
 
@@ -34,9 +35,11 @@ std::vector<Landmark> Places(const Layer& count, const MapRules& rules) {
   return places;
 }
 
-std::string HolesIn(const Blob& log) {
+// What the log shows that may be the cause.
+std::string CausesIn(const Blob& log) {
   std::string text;
-  for (const std::string& hole : OdometryHolesOf(log)) text += "; " + hole;
+  for (const auto& causes : {ConstantObservationsOf(log), OdometryHolesOf(log)})
+    for (const std::string& cause : causes) text += "; " + cause;
   return text;
 }
 
@@ -96,7 +99,7 @@ std::vector<InTwoPlaces> LandmarksInTwoPlaces(const LayeredGrid& counts, const M
         places[1].count, places[1].x_m, places[1].y_m, kCausesOfNamed);
     found.push_back({type,
                      std::hypot(places[0].x_m - places[1].x_m, places[0].y_m - places[1].y_m),
-                     text + HolesIn(log),
+                     text + CausesIn(log),
                      {places[0].x_m, places[0].y_m},
                      {places[1].x_m, places[1].y_m}});
   }
@@ -144,7 +147,7 @@ void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
         "where the first robot was?",
         robots[r], count, than_false);
     throw RobotsContradictError(text + NamesMissing(Read<kinds::Log>(log), r) + kCausesOfErrors +
-                                HolesIn(log));
+                                CausesIn(log));
   }
 }
 
@@ -163,7 +166,7 @@ void CheckRobotsAgree(const RoundSum& sum, const Blob& history, double places, s
       lost);
   const std::string seen = SeenByTwo(Read<kinds::Log>(log));
   const std::string causes = seen.empty() ? "was one of them somewhere else?" : seen + kCausesOfNamed;
-  throw RobotsContradictError(text + causes + kCausesOfErrors + HolesIn(log));
+  throw RobotsContradictError(text + causes + kCausesOfErrors + CausesIn(log));
 }
 
 }  // namespace cairn::landmark_map

@@ -1,5 +1,5 @@
 // Data that no map of this method explains: refused with the reason, instead of a map that looks right. Holes
-// in the odometry (schema/kinds/odometry_holes.h) are named with it.
+// in the odometry, and observations that are all the same, are named with it (schema/kinds/).
 #pragma once
 
 #include <string>

@@ -72,6 +72,15 @@ TEST(LandmarksInTwoPlaces, HolesInTheOdometryAreNamedWithThem) {
   ExpectContains(found[0].reason, "; robot 'anna': its odometry lacks 61 s from 19 s on");
 }
 
+TEST(LandmarksInTwoPlaces, SoAreBearingsThatAreAllTheSame) {
+  Blob log = Named("tower");
+  log.Put("robots", Array::Texts({"anna"}));
+  log.PutVector("robot/0/observations/bearing_rad", std::vector<double>(20, 0.0));
+  const auto found = LandmarksInTwoPlaces(CountsAt(10.0, 6.0), RulesOfContradictions(), log);
+  ASSERT_EQ(found.size(), 1U);
+  ExpectContains(found[0].reason, "; robot 'anna': all bearings of its observations of landmarks are 0 rad");
+}
+
 TEST(LandmarksInTwoPlaces, AFewMisreadNamesAreNone) {
   EXPECT_TRUE(LandmarksInTwoPlaces(CountsAt(100.0, 12.0), RulesOfContradictions(), Named("tower")).empty());
   EXPECT_TRUE(LandmarksInTwoPlaces(CountsAt(5.0, 3.0), RulesOfContradictions(), Named("tower")).empty());
