@@ -127,13 +127,22 @@ Status StoreFolder::IsStillOurs() const {
   const Result<Holder> holder = ReadHolder(HolderFile());
   if (holder.ok() && holder.value() == *holder_) return Status::Ok();
   if (SaysNothing(holder.status())) return holder.status();
-  lost_ = true;
+  lost_ = holder.ok() && holder.value().number > 0 ? Lost::kToAnother : Lost::kUnknown;
   return {Code::kIo, TakenOver()};
 }
 
 std::string StoreFolder::TakenOver() const {
-  if (!lost_) return "";
-  return "another coordinator has taken the store over; nothing is written there any more";
+  switch (lost_.load()) {
+    case Lost::kNot:
+      return "";
+    case Lost::kToAnother:
+      return "another coordinator has taken the store over; nothing is written there any more";
+    case Lost::kUnknown:
+      return "its file 'holder' was removed or damaged, so that another coordinator may have taken the store "
+             "over; nothing is written there any more: where no other machine serves it, start with "
+             "--take-over";
+  }
+  return "";
 }
 
 void StoreFolder::GiveBack() {

@@ -112,10 +112,12 @@ class StoreFolder {
   Status LockBlobs();
 
   std::filesystem::path dir_;
-  int lock_ = kNoLock;                          // file descriptor
-  int blobs_lock_ = kNoLock;                    // of `blobs`
-  std::optional<Holder> holder_;                // this process, where it serves
-  mutable std::atomic<bool> lost_{false};       // another does
+  enum class Lost { kNot, kToAnother, kUnknown };  // kUnknown: nothing says who serves it now
+
+  int lock_ = kNoLock;            // file descriptor
+  int blobs_lock_ = kNoLock;      // of `blobs`
+  std::optional<Holder> holder_;  // this process, where it serves
+  mutable std::atomic<Lost> lost_{Lost::kNot};
   std::pair<std::uint64_t, std::uint64_t> id_;  // of what is called dir(), be it a link: device and inode
 };
 

@@ -17,6 +17,7 @@ namespace cairn::coordinator {
 namespace {
 
 constexpr std::size_t kMostHolderBytes = 1 << 10;
+constexpr char kWhatHelps[] = "; where no other machine serves the store, ";
 
 // One line of words, and its hash: a damaged one is nobody's.
 std::string HolderLine(const Holder& holder) {
@@ -49,16 +50,19 @@ std::string BootId() {
 
 Result<Holder> ReadHolder(const std::filesystem::path& path) {
   const Result<std::string> text = ReadSmallFile(path, kMostHolderBytes);
-  if (!text.ok()) return text.status().code() == Code::kNotFound ? Result<Holder>(Holder{}) : text.status();
+  if (text.status().code() == Code::kNotFound) return Holder{};
+  if (text.status().code() == Code::kRefused)  // no file, or another user's
+    return Status(Code::kRefused, text.status().message() + kWhatHelps + "move it away");
+  if (!text.ok() && text.status().code() != Code::kCorrupt) return text.status();
   Holder holder;
   std::string state;
-  std::istringstream words(text.value());
+  const std::string line = text.ok() ? text.value() : "";
+  std::istringstream words(line);
   words >> holder.number >> state >> holder.host >> holder.boot >> holder.process;
   holder.serves = state == "serves";
-  if (!words || holder.number == 0 || text.value() != HolderLine(holder))
-    return Status(Code::kCorrupt, path.string() +
-                                      ": does not say who serves the store; where no other machine does, "
-                                      "start with --take-over");
+  if (!words || holder.number == 0 || line != HolderLine(holder))
+    return Status(Code::kCorrupt, path.string() + ": is damaged, so that nobody knows who serves the store" +
+                                      kWhatHelps + "start with --take-over");
   return holder;
 }
 

@@ -26,7 +26,8 @@ struct Holder {
   bool operator==(const Holder&) const = default;
 };
 
-// Of a folder without such a file one of number 0. kCorrupt: what is there is none.
+// Of a folder without such a file one of number 0. kCorrupt: what is there is none. kRefused: no file, or one
+// that this user may not read. Both say what helps.
 Result<Holder> ReadHolder(const std::filesystem::path& path);
 // Durable when it returns.
 Status WriteHolder(const std::filesystem::path& path, const Holder& holder);

@@ -98,9 +98,33 @@ TEST(HeldStore, ADamagedHolderIsAskedAboutToo) {
   {
     StoreFolder::Open(dir).value();
   }
-  std::ofstream(dir / "holder") << "7 serves";
-  EXPECT_EQ(StoreFolder::OpenToServe(dir, false).status().code(), Code::kBusy);
-  EXPECT_TRUE(StoreFolder::OpenToServe(dir, true).ok());
+  for (const std::string& damaged : {std::string("7 serves"), std::string(2000, 'x')}) {
+    std::ofstream(dir / "holder") << damaged;
+    const Status refused = StoreFolder::OpenToServe(dir, false).status();
+    EXPECT_EQ(refused.code(), Code::kBusy);
+    EXPECT_NE(refused.message().find("start with --take-over"), std::string::npos) << refused.message();
+    EXPECT_TRUE(StoreFolder::OpenToServe(dir, true).ok());
+  }
+  fs::remove(dir / "holder");
+  fs::create_directory(dir / "holder");
+  const Status folder = StoreFolder::OpenToServe(dir, true).status();
+  EXPECT_NE(folder.message().find("move it away"), std::string::npos) << folder.message();
+}
+
+TEST(HeldStore, OneThatIsDamagedWhileItIsServedSaysSoAndWhatHelps) {
+  for (const bool removed : {false, true}) {
+    TempFolder temp;
+    const fs::path dir = temp.path() / "store";
+    const StoreFolder store = StoreFolder::OpenToServe(dir, false).value();
+    if (removed)
+      fs::remove(dir / "holder");
+    else
+      std::ofstream(dir / "holder") << "damaged";
+    EXPECT_EQ(store.IsStillThere().code(), Code::kIo);
+    EXPECT_NE(store.TakenOver().find("'holder' was removed or damaged"), std::string::npos);
+    EXPECT_NE(store.TakenOver().find("start with --take-over"), std::string::npos);
+    fs::remove_all(dir);
+  }
 }
 
 // One that was cut off, and comes back: each thing that it wants to write.
