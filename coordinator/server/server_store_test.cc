@@ -141,6 +141,40 @@ TEST(CheckStore, ResultsOfWhichNothingElseIsLeftAreNamedAndTakenBack) {
   EXPECT_EQ(fixture.server->core().Jobs().size(), 1u);
 }
 
+TEST(CheckStore, TakesNothingBackThroughALinkNorTwoOfOneNumber) {
+  namespace fs = std::filesystem;
+  ServerFixture fixture;
+  fixture.transport.ComeWorker("w");
+  for (const char* job : {"3-museum", "4-hall"}) {
+    fixture.Submit(job);
+    fixture.Until([&] { return fixture.State(job) == "done"; });
+  }
+  const fs::path results = fixture.temp.path() / "results", elsewhere = fixture.temp.path() / "elsewhere";
+  fixture.server.reset();
+  fs::remove_all(fixture.folder->Checkpoints() / "3-museum");
+  fs::rename(results / "3-museum", elsewhere);
+  fs::create_directory_symlink(elsewhere, results / "3-museum");
+  EXPECT_EQ(CheckStore(*fixture.folder, results, true).unclaimed, std::vector<std::string>{"3-museum"});
+  fs::remove(results / "3-museum");
+  fs::create_directory(results / "3-museum");
+  fs::create_symlink(elsewhere / "stage0.h5", results / "3-museum" / "stage0.h5");
+  EXPECT_EQ(CheckStore(*fixture.folder, results, true).unclaimed, std::vector<std::string>{"3-museum"});
+  fs::remove_all(results / "3-museum");
+
+  for (const char* copy : {"3-museum", "3-copy", "4-copy"}) fs::copy(elsewhere, results / copy);
+  const StoreFindings found = CheckStore(*fixture.folder, results, true);
+  EXPECT_TRUE(found.orphaned.empty());
+  ASSERT_EQ(found.damaged.size(), 3u);
+  EXPECT_EQ(found.damaged[0],
+            "results/3-copy would be a job of the number that '3-museum' has: move away what is a copy");
+  EXPECT_NE(found.damaged[2].find("results/4-copy would be a job of the number that '4-hall' has"),
+            std::string::npos)
+      << found.damaged[2];
+  EXPECT_FALSE(fs::exists(fixture.folder->Checkpoints() / "3-museum"));
+  fs::remove_all(results / "3-copy");
+  EXPECT_EQ(CheckStore(*fixture.folder, results, true).orphaned, std::vector<std::string>{"3-museum"});
+}
+
 TEST(CheckStore, NamesWhatIsDamagedAndTouchesNothing) {
   ServerFixture fixture;
   fixture.transport.ComeWorker("w");

@@ -13,6 +13,7 @@
 #include "coordinator/store/served_file.h"
 #include "coordinator/store/sqlite_files.h"
 #include "schema/store/atomic_file.h"
+#include "schema/text.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -149,6 +150,22 @@ std::optional<proto::Checkpoint> MakeOfResults(const StoreFolder& folder, const 
   return record;
 }
 
+// But no links: whoever may write to a folder of results must not choose which other files become a job's.
+std::vector<fs::path> OwnFilesIn(const fs::path& folder) {
+  std::vector<fs::path> files = EntriesOf(folder);
+  std::erase_if(files, [](const fs::path& path) { return fs::is_symlink(path); });
+  return files;
+}
+
+Status MakeJobOf(const StoreFolder& folder, const proto::Checkpoint& record) {
+  const fs::path of_job = folder.Checkpoints() / record.job_id();
+  std::error_code error;
+  fs::create_directory(of_job, error);
+  if (error) return SystemFailure(of_job, "make the folder", error.value());
+  const Status written = WriteCheckpoint(folder.CheckpointFile(record.job_id(), 1), record);
+  return written.ok() ? SyncFolder(folder.Checkpoints()) : written;
+}
+
 // A process that died may have left files that are there but whose folder was not synced: counted on, with
 // what came before them cleared away, they would be gone at the next power cut.
 void MakeDurable(const StoreFolder& folder, const JobLogSink& log) {
@@ -209,21 +226,36 @@ StoreFindings CheckStore(const StoreFolder& folder, const fs::path& results, boo
   const BlobFiles files(folder);
   for (const std::string& job : jobs) CheckJobInStore(folder, files, job, results, found);
   const Result<double> served_s = ReadServed(folder.ServedFile());
-  const PublishedFiles published{[&results](const std::string& job) { return EntriesOf(results / job); },
+  const PublishedFiles published{[&results](const std::string& job) { return OwnFilesIn(results / job); },
                                  served_s.ok() ? served_s.value() : 0};
+  std::map<std::uint64_t, std::vector<std::string>> of_number;  // a service gives each to one job
+  for (const std::string& job : jobs) of_number[NumberOfJob(job)].push_back(job);
+  std::vector<proto::Checkpoint> records;
   for (const std::string& job : NamesIn(results)) {
     if (std::ranges::find(jobs, job) != jobs.end()) continue;
-    const bool is_job = NumberOfJob(job) > 0 && IsPlainName(job);
-    const std::optional<proto::Checkpoint> record =
+    const bool is_job = NumberOfJob(job) > 0 && IsPlainName(job) && !fs::is_symlink(results / job);
+    std::optional<proto::Checkpoint> record =
         is_job ? RecordOfResults(job, 1, published) : std::optional<proto::Checkpoint>();
-    (record ? found.orphaned : found.unclaimed).push_back(job);
-    if (!record || !adopt) continue;
-    std::error_code error;
-    fs::create_directory(folder.Checkpoints() / job, error);
-    Status saved = error ? SystemFailure(folder.Checkpoints() / job, "make the folder", error.value())
-                         : WriteCheckpoint(folder.CheckpointFile(job, 1), *record);
-    if (saved.ok()) saved = SyncFolder(folder.Checkpoints());
-    if (!saved.ok()) found.damaged.push_back("job " + job + ": " + saved.message());
+    if (!record) {
+      found.unclaimed.push_back(job);
+      continue;
+    }
+    of_number[NumberOfJob(job)].push_back(job);
+    records.push_back(std::move(*record));
+  }
+  for (const proto::Checkpoint& record : records) {
+    const std::string& job = record.job_id();
+    std::vector<std::string> others = of_number[NumberOfJob(job)];
+    std::erase(others, job);
+    if (!others.empty()) {
+      found.damaged.push_back("results/" + job + " would be a job of the number that " + NameList(others) +
+                              " has: move away what is a copy");
+      continue;
+    }
+    found.orphaned.push_back(job);
+    if (!adopt) continue;
+    if (const Status made = MakeJobOf(folder, record); !made.ok())
+      found.damaged.push_back("job " + job + ": " + made.message());
   }
   return found;
 }

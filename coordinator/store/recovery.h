@@ -43,7 +43,8 @@ struct StoreFindings {
 };
 // Reads every job's newest checkpoint, the blobs that it names, and the results below `results`. Changes
 // nothing, but that a damaged pack of blobs is quarantined, as each start does, and that with `adopt` what is
-// orphaned becomes a job again that is done, without an owner: the next start shows it.
+// orphaned becomes a job again that is done, without an owner: the next start shows it. Nothing becomes one
+// through a link, nor where another job, or another such folder, has its number.
 StoreFindings CheckStore(const StoreFolder& folder, const std::filesystem::path& results, bool adopt);
 
 // The job table; one that cannot be read is quarantined and begun anew.
