@@ -1,5 +1,6 @@
 #include "coordinator/cli/commands/end_hook.h"
 
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -60,8 +61,14 @@ void EndHook::Loop() {
   }
 }
 
+// The limit is kept here; `timeout` keeps it, a little later, where this process is killed meanwhile.
 void EndHook::Run(const wire::JobInfo& job) {
-  const std::vector<coordinator::Program> programs = {{.words = {program_}, .input = JobJson(job)}};
+  const std::string at_most_s = std::to_string(std::lround(std::ceil(limit_s_)) + 1);
+  const std::vector<coordinator::Program> programs = {
+      {.words = {"timeout", "-s", "KILL", at_most_s, program_},
+       .input = JobJson(job),
+       .name = program_,
+       .alone = true}};
   const std::string failure = coordinator::RunPrograms(programs, limit_s_, &stop_).at(0).failure;
   if (!failure.empty()) log_(Severity::kWarning, "--on-end for job " + job.id() + ": " + failure);
 }

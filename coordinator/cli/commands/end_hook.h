@@ -22,7 +22,8 @@ class EndHook {
   static constexpr std::size_t kMostWaiting = 1000;
 
   // `program` is looked for in PATH where it is no path. One that runs for longer than `limit_s` is killed,
-  // with all that it started. `log` is called by that thread.
+  // with all that it started, a second later also where this process is killed; what it leaves running when
+  // it ends is killed then. `log` is called by that thread.
   EndHook(std::string program, double limit_s, coordinator::LogSink log);
   // Kills what runs. How many were not run the log says.
   ~EndHook();

@@ -1,7 +1,9 @@
 #include "coordinator/cli/commands/end_hook.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -69,6 +71,7 @@ TEST_F(EndHookTest, TheProgramGetsTheJobOnItsInputAndNoArguments) {
   EXPECT_EQ(json.at("id"), "7-museum");
   EXPECT_EQ(json.at("name"), "museum'; touch /tmp/x #");
   EXPECT_EQ(json.at("state"), "failed");
+  while (!hook_->Idle()) ::usleep(1000);
   hook_.reset();
   EXPECT_TRUE(Log().empty()) << Log().front();
 }
@@ -107,6 +110,34 @@ TEST_F(EndHookTest, WhatItStartedEndsWithIt) {
   hook_->JobEnded(Job("7-museum"));
   const pid_t child = std::stoi(Await("child"));
   hook_.reset();
+  while (Runs(child)) ::usleep(1000);
+}
+
+TEST_F(EndHookTest, SoDoesWhatItLeavesBehind) {
+  const std::string here = folder_.path().string();
+  Start(Script("sleep 1000 >/dev/null 2>&1 &\necho $! >" + here + "/part && mv " + here + "/part " + here +
+               "/child\n"));
+  hook_->JobEnded(Job("7-museum"));
+  const pid_t child = std::stoi(Await("child"));
+  while (Runs(child)) ::usleep(1000);
+  hook_.reset();
+  EXPECT_TRUE(Log().empty()) << Log().front();
+}
+
+// A process of its own, for it is killed.
+TEST_F(EndHookTest, AndWithItsLimitWhereWhoStartedItIsKilled) {
+  const std::string here = folder_.path().string();
+  const std::string hook =
+      Script("sleep 1000 &\necho $! >" + here + "/part && mv " + here + "/part " + here + "/child\nwait\n");
+  const pid_t coordinator = ::fork();
+  if (coordinator == 0) {
+    Start(hook, 1);
+    hook_->JobEnded(Job("7-museum"));
+    while (true) ::pause();
+  }
+  const pid_t child = std::stoi(Await("child"));
+  ::kill(coordinator, SIGKILL);
+  ::waitpid(coordinator, nullptr, 0);
   while (Runs(child)) ::usleep(1000);
 }
 

@@ -28,7 +28,10 @@ constexpr int kLook_ms = 20;
 class Running {
  public:
   Running(const Program& program, ProgramOutput& output)
-      : name_(program.words.at(0)), input_(program.input), output_(output) {
+      : name_(program.name.empty() ? program.words.at(0) : program.name),
+        input_(program.input),
+        alone_(program.alone),
+        output_(output) {
     Begin(program);
   }
   ~Running() {
@@ -46,8 +49,11 @@ class Running {
     Write();
     Read(ends_[1], output_.out);
     Read(ends_[2], output_.err);
+    if (!HasEnded()) return;
+    // While its number is nobody else's.
+    if (alone_) ::kill(-pid_, SIGKILL);
     int status = 0;
-    if (pid_ <= 0 || ::waitpid(pid_, &status, WNOHANG) != pid_) return;
+    ::waitpid(pid_, &status, 0);
     // What it left running may hold its pipes open for ever.
     Read(ends_[1], output_.out);
     Read(ends_[2], output_.err);
@@ -111,6 +117,11 @@ class Running {
     pid_ = 0;
     output_.failure = name_ + ": " + std::strerror(failed);
   }
+  bool HasEnded() const {
+    siginfo_t info{};
+    return pid_ > 0 && ::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           info.si_pid == pid_;
+  }
   void Write() {
     while (ends_[0] >= 0) {
       const ssize_t n = ::send(ends_[0], input_.data() + written_, input_.size() - written_, MSG_NOSIGNAL);
@@ -147,6 +158,7 @@ class Running {
 
   const std::string name_;
   const std::string& input_;
+  const bool alone_;
   ProgramOutput& output_;
   std::size_t written_ = 0;
   pid_t pid_ = 0;

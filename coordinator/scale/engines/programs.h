@@ -10,6 +10,9 @@ namespace cairn::coordinator {
 struct Program {
   std::vector<std::string> words;  // the first is looked for in PATH
   std::string input;               // what it reads
+  std::string name = {};           // in what is said of its failure; empty: the first word
+  // What it leaves running in its process group is killed when it ends. (ssh leaves a master that stays.)
+  bool alone = false;
 };
 
 struct ProgramOutput {
