@@ -31,6 +31,15 @@ namespace {
 
 double ShareOf(const Job& job) { return std::exp2(job.spec.priority()); }
 
+// In the order of tasks; of one that two workers have, how long the first has had it.
+void KeepLongest(std::vector<std::pair<std::uint32_t, double>>& running_s) {
+  std::ranges::sort(running_s, [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : a.second > b.second;
+  });
+  const auto same = std::ranges::unique(running_s, {}, &std::pair<std::uint32_t, double>::first);
+  running_s.erase(same.begin(), same.end());
+}
+
 }  // namespace
 
 void Core::LookAhead() {
@@ -47,12 +56,11 @@ void Core::LookAhead() {
     const wire::TaskKey& key = worker.assigned.front().key;
     const auto order = orders_.find(key.job());
     if (order == orders_.end() || !jobs_.at(order->second).IsUnderWay(key)) continue;
-    if (const auto effort = efforts.find(order->second); effort != efforts.end()) {
-      double& running_s = effort->second.running_s[key.task()];
-      running_s = std::max(running_s, now_s_ - worker.head_s);
-    }
+    if (const auto effort = efforts.find(order->second); effort != efforts.end())
+      effort->second.running_s.emplace_back(key.task(), now_s_ - worker.head_s);
   }
   for (auto& [order, effort] : efforts) {
+    KeepLongest(effort.running_s);
     Job& job = jobs_.at(order);
     effort.workers = static_cast<double>(fleet_.able()) * ShareOf(job) / shares;
     job.eta.Look(*job.step, job.tasks, effort, now_s_);

@@ -96,13 +96,15 @@ TimeLeft Eta::Expected(const proto::Step& step, const Round& tasks, const Effort
   double left_s = 0;
   if (runs) {
     double cost = 0, chain = 0;
+    auto running = effort.running_s.begin();
     for (std::uint32_t i = 0; i < tasks.size(); ++i) {
       const TaskRecord& task = tasks.task(i);
       if (task.status == TaskStatus::kDone) continue;
       const auto all = static_cast<double>(task.cost);
-      const auto running =
-          task.status == TaskStatus::kRunning ? effort.running_s.find(i) : effort.running_s.end();
-      const double done = running == effort.running_s.end() ? 0 : running->second / pace;
+      while (running != effort.running_s.end() && running->first < i) ++running;
+      const bool runs_now =
+          task.status == TaskStatus::kRunning && running != effort.running_s.end() && running->first == i;
+      const double done = runs_now ? running->second / pace : 0;
       const double left = std::max(all - done, kNeverDone * all);
       cost += left;
       chain = std::max(chain, task.chain - (all - left));

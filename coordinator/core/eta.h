@@ -10,7 +10,8 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <map>
+#include <utility>
+#include <vector>
 
 #include "coordinator/core/round.h"
 
@@ -18,8 +19,8 @@ namespace cairn::coordinator {
 
 // Who works at a job.
 struct Effort {
-  double workers = 0;                         // that it can have
-  std::map<std::uint32_t, double> running_s;  // its tasks that run, for how long
+  double workers = 0;                                       // that it can have
+  std::vector<std::pair<std::uint32_t, double>> running_s;  // its tasks that run, in order; for how long
 };
 
 // A span where the data decide what work is to come (Phase.least, Phase.most), else three times the same. 0:

@@ -51,8 +51,9 @@ void Fleet::Refile(Worker& worker, const Change& change) {
   Unfile(worker);
   change();
   if (worker.Able()) ++able_;
-  if (worker.HasRoom()) open_.insert({worker.assigned.size(), worker.number});
-  if (worker.assigned.size() >= 2) loaded_.insert({worker.assigned.size(), worker.number});
+  const std::pair filed{worker.assigned.size(), worker.number};
+  if (worker.HasRoom()) open_.emplace(filed, &worker);
+  if (worker.assigned.size() >= 2) loaded_.emplace(filed, &worker);
 }
 
 Worker& Fleet::Add(const std::string& peer, const wire::Hello& hello, double now_s) {
@@ -76,7 +77,7 @@ void Fleet::Remove(const std::string& peer) {
   Unfile(worker);
   for (const Hash& blob : worker.has) {
     const auto owners = owners_.find(blob);
-    std::erase(owners->second, worker.number);
+    std::erase(owners->second, &worker);
     if (owners->second.empty()) owners_.erase(owners);
   }
   const auto process = processes_.find(worker.hello.process());
@@ -140,14 +141,14 @@ void Fleet::Trust(Worker& worker) {
 }
 
 void Fleet::NoteBlob(Worker& worker, const Hash& blob) {
-  if (worker.has.insert(blob).second) owners_[blob].push_back(worker.number);
+  if (worker.has.insert(blob).second) owners_[blob].push_back(&worker);
 }
 
 void Fleet::Forget(const std::vector<Hash>& dropped) {
   for (const Hash& blob : dropped) {
     const auto node = owners_.extract(blob);
     if (node.empty()) continue;
-    for (const std::uint64_t number : node.mapped()) workers_.at(number).has.erase(blob);
+    for (Worker* worker : node.mapped()) worker->has.erase(blob);
   }
 }
 
@@ -157,10 +158,10 @@ Worker* Fleet::Place(std::span<const Hash> inputs, const std::set<std::uint64_t>
   std::ptrdiff_t best_missing = 0;
   std::size_t looked_at = 0;
   for (auto it = open_.begin(); it != open_.end() && looked_at < kWorkersLookedAt; ++it) {
-    if (but.contains(it->second)) continue;
-    if (best != nullptr && it->first > best->assigned.size()) break;
+    Worker& worker = *it->second;
+    if (but.contains(worker.number)) continue;
+    if (best != nullptr && worker.assigned.size() > best->assigned.size()) break;
     ++looked_at;
-    Worker& worker = workers_.at(it->second);
     const auto missing = std::count_if(inputs.begin(), inputs.end(),
                                        [&worker](const Hash& hash) { return !worker.has.contains(hash); });
     if (best == nullptr || missing < best_missing) best = &worker, best_missing = missing;
@@ -169,12 +170,12 @@ Worker* Fleet::Place(std::span<const Hash> inputs, const std::set<std::uint64_t>
 }
 
 Worker* Fleet::Idle(const std::set<std::uint64_t>& but) {
-  for (auto it = open_.begin(); it != open_.end() && it->first == 0; ++it)
-    if (!but.contains(it->second)) return &workers_.at(it->second);
+  for (auto it = open_.begin(); it != open_.end() && it->second->assigned.empty(); ++it)
+    if (!but.contains(it->second->number)) return it->second;
   return nullptr;
 }
 
-Worker* Fleet::Busiest() { return loaded_.empty() ? nullptr : &workers_.at(loaded_.rbegin()->second); }
+Worker* Fleet::Busiest() { return loaded_.empty() ? nullptr : loaded_.rbegin()->second; }
 
 const char* StateName(const Worker& worker) {
   if (worker.draining) return "draining";

@@ -95,7 +95,7 @@ class Fleet {
   Worker* Busiest();  // with the most assigned, at least two; null where there is none
 
  private:
-  using ByLoad = std::set<std::pair<std::size_t, std::uint64_t>>;  // tasks assigned, number
+  using ByLoad = std::map<std::pair<std::size_t, std::uint64_t>, Worker*>;  // tasks assigned, number
   template <class Change>
   void Refile(Worker& worker, const Change& change);
   void Unfile(const Worker& worker);
@@ -105,9 +105,9 @@ class Fleet {
   std::unordered_map<std::string, Worker*> by_peer_;
   std::map<std::uint64_t, std::uint64_t> processes_;  // numbers, by Hello.process where it says one
   std::size_t able_ = 0;
-  ByLoad open_;                                 // those that have room
-  ByLoad loaded_;                               // those with two and more assigned
-  HashMap<std::vector<std::uint64_t>> owners_;  // workers by what they have
+  ByLoad open_;                           // those that have room
+  ByLoad loaded_;                         // those with two and more assigned
+  HashMap<std::vector<Worker*>> owners_;  // workers by what they have
 };
 
 const char* StateName(const Worker& worker);  // "idle"

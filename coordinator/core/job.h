@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -60,7 +61,14 @@ struct GivenAttempt {
   wire::TaskKey::Kind kind = wire::TaskKey::RUN;
   std::uint32_t task = 0, attempt = 0;
   std::string peer;
-  auto operator<=>(const GivenAttempt&) const = default;
+  bool operator==(const GivenAttempt&) const = default;
+};
+// Of one round nearly all, whose tasks differ.
+struct HashOfAttempt {
+  std::size_t operator()(const GivenAttempt& attempt) const {
+    constexpr std::size_t kOdd = 0x9E3779B97F4A7C15;
+    return (attempt.task + kOdd * attempt.attempt + attempt.round) * kOdd;
+  }
 };
 
 // What tasks took that are done, to guess what others will take.
@@ -111,7 +119,7 @@ struct Job {
   std::vector<std::string> deleters;   // who wait for that
   Holds holds;
   // Of the round under way and of the last START or ADVANCE: nobody else's answer counts.
-  std::set<GivenAttempt> given;
+  std::unordered_set<GivenAttempt, HashOfAttempt> given;
   // Workers whose answer was malformed: they get no more of its tasks where there are others.
   std::set<std::uint64_t> excluded;
   // A second answer to the last START or ADVANCE is checked against this.

@@ -97,7 +97,7 @@ class Server {
 
   // server_actions.cc
   void Do(coordinator::Send& send);
-  void Do(const Persist& persist);
+  void Do(Persist& persist);
   void Do(const DropBlobs& drop);
   void Do(const ForgetJob& forget);
   void Do(const JobChanged& changed);

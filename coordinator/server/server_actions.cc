@@ -28,9 +28,10 @@ void Server::ProbeSilent(double now_s) {
   }
 }
 
-void Server::Do(const Persist& persist) {
-  const proto::Checkpoint& checkpoint = persist.checkpoint;
-  WriteCheckpointWork work{checkpoint, {}, {}};
+// A checkpoint of very many tasks is long: it is handed on, not copied.
+void Server::Do(Persist& persist) {
+  WriteCheckpointWork work{std::move(persist.checkpoint), {}, {}};
+  const proto::Checkpoint& checkpoint = work.checkpoint;
   for (const std::string& binary : checkpoint.blobs()) {
     const Hash hash = Hash::FromBinary(binary).value();
     if (!blobs_.Durable(hash)) work.blobs.push_back({hash, blobs_.Get(hash)});

@@ -91,8 +91,10 @@ void Server::EndRevoked() {
 }
 
 void Server::NoteWhoAsks(const std::string& peer, const std::string& user, const wire::Envelope& asked) {
-  if (const std::string who = access_control_.NameOf(user); !who.empty() && !DoneBy(asked).empty())
-    asked_by_[peer] = DoneBy(asked) + " by " + who;
+  const std::string what = DoneBy(asked);  // nothing, of nearly all that comes
+  if (what.empty()) return;
+  if (const std::string who = access_control_.NameOf(user); !who.empty())
+    asked_by_[peer] = what + " by " + who;
 }
 
 // Empty: the job is his who asks, or he administers, or nothing of it is changed.

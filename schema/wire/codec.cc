@@ -180,8 +180,9 @@ Frames Encode(Message message) {
 Result<Message> Decode(std::span<const std::span<const std::byte>> frames, const Limits& limits) {
   if (Status sizes = CheckSizes(frames, limits); !sizes.ok()) return sizes;
   Message message;
-  const std::size_t most = IsDone(frames[0]) ? limits.parsed_bytes : limits.parsed_bytes / 8;
-  if (!IsSmallOnceParsed(frames[0], most))
+  const bool must_look = frames[0].size() > limits.parsed_bytes / 8 / kMostParsedBytesOfOne;
+  const std::size_t most = must_look && IsDone(frames[0]) ? limits.parsed_bytes : limits.parsed_bytes / 8;
+  if (must_look && !IsSmallOnceParsed(frames[0], most))
     return Corrupt("the envelope cannot be parsed, or takes more than " + std::to_string(most) +
                    " bytes in memory");
   const google::protobuf::LogSilencer quiet;  // a peer must not fill our log with protobuf's complaints

@@ -48,6 +48,9 @@ struct Frames {
 
 Frames Encode(Message message);
 
+// What one byte of an envelope may take in memory once it is parsed, at most: two are an empty message.
+inline constexpr std::size_t kMostParsedBytesOfOne = 512;
+
 // kCorrupt: truncated, a frame too many or too few, bytes that do not match their hash. kRefused: over a
 // limit. kVersion: an envelope that holds no kind of message known here.
 Result<Message> Decode(std::span<const std::span<const std::byte>> frames, const Limits& limits = {});

@@ -1,8 +1,13 @@
 #include "schema/wire/codec.h"
 
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/descriptor.pb.h>
+#include <google/protobuf/message.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
+#include <vector>
 
 #include "schema/blob_part.h"
 
@@ -219,6 +224,23 @@ TEST(Codec, RefusesWhatTakesMuchMoreMemoryThanItIsLong) {
   for (int i = 0; i < 1000; ++i) texts.envelope.mutable_have()->add_hashes();
   EXPECT_FALSE(DecodeRaw(Raw(Encode(texts)), {.parsed_bytes = 160'000}).ok());
   EXPECT_TRUE(DecodeRaw(Raw(Encode(texts)), {.parsed_bytes = 800'000}).ok());
+}
+
+// So a message that is short enough needs no look before it is parsed.
+TEST(Codec, NoByteTakesMoreThanIsTakenOfEachOnceItIsParsed) {
+  std::vector<const google::protobuf::Descriptor*> types = {Envelope::descriptor()};
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    for (int k = 0; k < types[i]->field_count(); ++k) {
+      const auto* type = types[i]->field(k)->message_type();
+      if (type != nullptr && std::ranges::find(types, type) == types.end()) types.push_back(type);
+    }
+    if (types[i]->options().map_entry()) continue;
+    const auto* message = google::protobuf::MessageFactory::generated_factory()->GetPrototype(types[i]);
+    constexpr std::size_t kPointerAndAllocation = 48;
+    EXPECT_LE(message->SpaceUsedLong() + kPointerAndAllocation, 2 * kMostParsedBytesOfOne)
+        << types[i]->full_name() << " is two bytes where it is empty";
+  }
+  EXPECT_GT(types.size(), 30U);
 }
 
 TEST(Codec, AnUnknownKindIsAnotherVersion) {

@@ -82,6 +82,7 @@ Status ZmqStatus(const std::string& what, const zmq::error_t& error) {
 
 Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames, const UnsentBytes& unsent) {
   std::vector<zmq::message_t> parts;
+  parts.reserve(2 + frames.arrays.size());
   if (peer != nullptr) parts.emplace_back(peer->data(), peer->size());
   const std::size_t bytes = unsent ? BytesIn(frames) : 0;
   const bool counted = bytes >= kZeroCopyBytes;
@@ -111,6 +112,7 @@ Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames,
 }
 
 std::vector<zmq::message_t> ReceiveFrames(zmq::socket_t& socket, const Limits& limits) {
+  constexpr std::size_t kUsual = 4;
   std::vector<zmq::message_t> frames;
   std::size_t bytes = 0;
   bool more = true;
@@ -124,6 +126,7 @@ std::vector<zmq::message_t> ReceiveFrames(zmq::socket_t& socket, const Limits& l
     // limit.
     if (bytes > limits.message_bytes + kLongestName || frames.size() > limits.frames + 1) continue;
     bytes += frame.size();
+    if (frames.empty()) frames.reserve(kUsual);
     frames.push_back(std::move(frame));
   }
   return frames;

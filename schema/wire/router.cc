@@ -56,6 +56,7 @@ Result<RouterSocket> RouterSocket::Bind(Context& context, const std::string& end
   auto impl = std::make_unique<Impl>();
   impl->context = context.impl();
   impl->options = options;
+  impl->has_keys = security.has_value();
   try {
     impl->socket = zmq::socket_t(impl->context->zmq, zmq::socket_type::router);
     SetCommonOptions(impl->socket, options);
@@ -96,11 +97,13 @@ Traffic RouterSocket::traffic() const { return impl_->traffic; }
 std::vector<Refusal> RouterSocket::TakeRefusals() { return impl_->authenticator->TakeRefusals(); }
 void RouterSocket::Drop(const std::string& peer) { impl_->Drop(peer); }
 
-void RouterSocket::Impl::Remember(const std::string& peer, int fd) {
+RouterSocket::Impl::Peer& RouterSocket::Impl::PeerOf(const std::string& peer) {
+  if (const auto known = peers.find(peer); known != peers.end()) return known->second;
   // Whoever is forgotten here and dropped before it sends again keeps a connection through which nothing
   // comes.
-  if (descriptors.size() > 2 * options.connections.connections) descriptors.clear();
-  descriptors[peer] = fd;
+  if (peers.size() > 2 * options.connections.connections)
+    std::erase_if(peers, [](const auto& of) { return *of.second.unsent == 0; });
+  return peers.emplace(peer, Peer{-1, std::make_shared<std::atomic<std::size_t>>(0)}).first->second;
 }
 
 // Messages outlive the connection that they came over, and its descriptor is another's by then. ZeroMQ knows:
@@ -121,7 +124,8 @@ void RouterSocket::Impl::ShutDown(const std::string& peer, int fd) {
 }
 
 void RouterSocket::Impl::Drop(const std::string& peer) {
-  if (const auto fd = descriptors.find(peer); fd != descriptors.end()) ShutDown(peer, fd->second);
+  if (const auto known = peers.find(peer); known != peers.end() && known->second.descriptor >= 0)
+    ShutDown(peer, known->second.descriptor);
   if (!dropped.insert(peer).second) return;
   drop_order.push_back(peer);
   if (drop_order.size() <= kDroppedPeersKept) return;
@@ -129,13 +133,12 @@ void RouterSocket::Impl::Drop(const std::string& peer) {
   drop_order.pop_front();
 }
 
-Received RouterSocket::Impl::Receive(std::vector<zmq::message_t> frames) {
+Received RouterSocket::Impl::Receive(std::string peer, std::string user,
+                                     std::span<const zmq::message_t> frames) {
   Received received;
-  received.peer = frames[0].to_string();
-  const zmq::message_t& last = frames.back();
-  received.user_id = UserId(last);
-  Remember(received.peer, Descriptor(last));
-  Result<Message> message = DecodeFrames(std::span(frames).subspan(1), options.limits);
+  received.peer = std::move(peer);
+  received.user_id = std::move(user);
+  Result<Message> message = DecodeFrames(frames, options.limits);
   if (message.ok()) {
     received.message = std::move(message).value();
   } else {
@@ -153,13 +156,13 @@ std::optional<Received> RouterSocket::TryReceive() {
                                               [](std::size_t sum, const auto& f) { return sum + f.size(); });
     impl_->traffic.bytes_in += bytes - frames[0].size();
     const zmq::message_t& last = frames.back();
-    const bool place = impl_->authenticator->TellTaken(Descriptor(last), Handshake(last), UserId(last), bytes,
-                                                       frames.size());
-    if (!place) {
-      impl_->Remember(frames[0].to_string(), Descriptor(last));
-      impl_->Drop(frames[0].to_string());
-    }
-    if (!impl_->dropped.contains(frames[0].to_string())) return impl_->Receive(std::move(frames));
+    const int fd = Descriptor(last);
+    std::string peer = frames[0].to_string(), user = impl_->has_keys ? UserId(last) : "";
+    impl_->PeerOf(peer).descriptor = fd;
+    const std::uint64_t handshake = impl_->has_keys ? Handshake(last) : 0;
+    if (!impl_->authenticator->TellTaken(fd, handshake, user, bytes, frames.size())) impl_->Drop(peer);
+    if (!impl_->dropped.contains(peer))
+      return impl_->Receive(std::move(peer), std::move(user), std::span(frames).subspan(1));
   }
 }
 
@@ -167,7 +170,7 @@ Status RouterSocket::Send(const std::string& peer, Message message) {
   if (impl_->dropped.contains(peer)) return {Code::kNotFound, "this peer was dropped"};
   Frames frames = Encode(std::move(message));
   const std::size_t bytes = BytesIn(frames);
-  const UnsentBytes unsent = impl_->UnsentTo(peer);
+  const UnsentBytes unsent = impl_->PeerOf(peer).unsent;
   if (*unsent > 0 && *unsent + bytes > impl_->options.connections.unsent_bytes)
     return {Code::kBusy, "the peer has not read what was sent before"};
   Status sent = SendFrames(impl_->socket, &peer, std::move(frames), unsent);
@@ -176,16 +179,8 @@ Status RouterSocket::Send(const std::string& peer, Message message) {
 }
 
 std::size_t RouterSocket::Unsent(const std::string& peer) const {
-  const auto found = impl_->unsent.find(peer);
-  return found == impl_->unsent.end() ? 0 : found->second->load();
-}
-
-UnsentBytes RouterSocket::Impl::UnsentTo(const std::string& peer) {
-  if (unsent.size() > 2 * options.connections.connections)
-    std::erase_if(unsent, [](const auto& of_peer) { return *of_peer.second == 0; });
-  UnsentBytes& bytes = unsent[peer];
-  if (!bytes) bytes = std::make_shared<std::atomic<std::size_t>>(0);
-  return bytes;
+  const auto known = impl_->peers.find(peer);
+  return known == impl_->peers.end() ? 0 : known->second.unsent->load();
 }
 
 }  // namespace cairn::wire

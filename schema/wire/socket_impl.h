@@ -5,6 +5,7 @@
 #include <deque>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <unordered_map>
 
@@ -21,17 +22,20 @@ struct RouterSocket::Impl {
   zmq::socket_t socket;
   std::string endpoint;
   Traffic traffic;
-  std::set<std::string> dropped;                        // peers whose messages are thrown away …
-  std::deque<std::string> drop_order;                   // … of which only the latest are remembered
-  std::unordered_map<std::string, int> descriptors;     // by peer, as its last message had it
-  std::unordered_map<std::string, UnsentBytes> unsent;  // by peer
-  std::unique_ptr<ZapAuthenticator> authenticator;      // goes before the socket that it watches
+  std::set<std::string> dropped;       // peers whose messages are thrown away …
+  std::deque<std::string> drop_order;  // … of which only the latest are remembered
+  struct Peer {
+    int descriptor = -1;  // as its last message had it
+    UnsentBytes unsent;
+  };
+  std::unordered_map<std::string, Peer> peers;
+  std::unique_ptr<ZapAuthenticator> authenticator;  // goes before the socket that it watches
+  bool has_keys = false;                            // only then ZeroMQ says who sent a message
 
-  Received Receive(std::vector<zmq::message_t> frames);
-  void Remember(const std::string& peer, int fd);
+  Received Receive(std::string peer, std::string user, std::span<const zmq::message_t> frames);
+  Peer& PeerOf(const std::string& peer);
   void Drop(const std::string& peer);
   void ShutDown(const std::string& peer, int fd);
-  UnsentBytes UnsentTo(const std::string& peer);
 };
 
 struct DealerSocket::Impl {
