@@ -16,6 +16,7 @@ pkg_check_modules(CAIRN_ZMQ REQUIRED IMPORTED_TARGET libzmq)
 pkg_check_modules(CAIRN_XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(CAIRN_LZ4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(CAIRN_ZSTD REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(CAIRN_JEMALLOC REQUIRED IMPORTED_TARGET jemalloc)
 pkg_check_modules(CAIRN_MICROHTTPD REQUIRED IMPORTED_TARGET libmicrohttpd)
 # Debian calls the serial build so; what it calls hdf5 may be one for MPI.
 pkg_search_module(CAIRN_HDF5 REQUIRED IMPORTED_TARGET hdf5-serial hdf5)

@@ -62,7 +62,7 @@ set(CAIRN_LINKS_coordinator_page
   "schema(/.*)?|coordinator|coordinator/(http|cli/common)|CLI11::.*|nlohmann_json::.*|Threads::Threads")
 set(CAIRN_LINKS_coordinator_scale "schema")
 set(CAIRN_LINKS_coordinator_scale_engines "schema|coordinator/scale|yaml-cpp(::.*)?|nlohmann_json::.*")
-set(CAIRN_LINKS_coordinator_cli "schema(/.*)?|coordinator/cli/.*|CLI11::.*")
+set(CAIRN_LINKS_coordinator_cli "schema(/.*)?|coordinator/cli/.*|CLI11::.*|PkgConfig::CAIRN_JEMALLOC")
 set(CAIRN_LINKS_coordinator_cli_common "schema(/.*)?")
 set(CAIRN_LINKS_coordinator_cli_job_file
   "schema(/.*)?|coordinator|coordinator/(core|cli/common)|datasets/common|yaml-cpp(::.*)?|nlohmann_json::.*")
