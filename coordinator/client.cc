@@ -318,7 +318,8 @@ Result<JobList> Client::List() {
                  {reply.refused().begin(), reply.refused().end()},
                  {reply.store_bytes(), reply.store_limit_bytes()},
                  reply.warning(),
-                 reply.store_fails()};
+                 reply.store_fails(),
+                 reply.may_submit()};
 }
 
 Result<FleetFacts> Client::Fleet() { return AskOfWorkers("status", 0); }

@@ -37,6 +37,7 @@ struct JobList {
   StoreFacts store;
   std::string warning = {};  // what is wrong with the service; empty: nothing
   bool store_fails = false;  // that is that its store cannot be written
+  bool may_submit = false;   // who asks may hand in jobs
 };
 
 struct FleetFacts {

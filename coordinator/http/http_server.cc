@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cctype>
 #include <charconv>
+#include <chrono>
 #include <deque>
 #include <mutex>
 #include <optional>
@@ -48,6 +49,17 @@ HttpRequest HeadOf(MHD_Connection* connection, const char* path, const char* met
   return request;
 }
 
+MHD_Result TakePart(void* upload, MHD_ValueKind, const char* field, const char* file, const char*,
+                    const char*, const char* data, std::uint64_t, std::size_t size) {
+  try {
+    static_cast<HttpUpload*>(upload)->Take(field == nullptr ? "" : field, file == nullptr ? "" : file,
+                                           {data, size});
+    return MHD_YES;
+  } catch (...) {  // out of memory; the connection goes
+    return MHD_NO;
+  }
+}
+
 MHD_Response* ResponseOfFile(const std::filesystem::path& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
   struct stat facts{};
@@ -68,6 +80,7 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
 
   HttpLimits limits;
   HttpHandler handler;
+  HttpUploads uploads;
   std::string address;
   MHD_Daemon* daemon = nullptr;
   std::atomic<unsigned> streams = 0;
@@ -86,6 +99,8 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
     std::erase(open, socket);
     open.push_back(socket);
   }
+  MHD_Result Begin(MHD_Connection* connection, Exchange& exchange);
+  MHD_Result Come(MHD_Connection* connection, Exchange& exchange, const char* data, std::size_t size);
   MHD_Result Go(MHD_Connection* connection, Exchange& exchange);
   MHD_Result Queue(MHD_Connection* connection, const HttpAnswer& answer);
   MHD_Response* StreamTo(MHD_Connection* connection, std::shared_ptr<HttpStream> stream);
@@ -104,10 +119,21 @@ struct HttpServer::Impl::Exchange : HttpReply {
   std::shared_ptr<Impl> server;
   MHD_Connection* connection;  // null once it is gone
   HttpRequest request = {};
+  MHD_PostProcessor* parts = nullptr;  // of an upload
+  std::uint64_t came = 0;              // bytes of the body
+  std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
   bool handled = false;
   std::optional<HttpAnswer> answer = {};
 
   Exchange(std::shared_ptr<Impl> of, MHD_Connection* on) : server(std::move(of)), connection(on) {}
+  Exchange(const Exchange&) = delete;
+  Exchange& operator=(const Exchange&) = delete;
+  ~Exchange() override { EndParts(); }
+  // False: what came is no form, or was cut short.
+  bool EndParts() {
+    MHD_PostProcessor* ended = std::exchange(parts, nullptr);
+    return ended == nullptr || MHD_destroy_post_processor(ended) == MHD_YES;
+  }
   void Send(HttpAnswer told) override {
     const std::lock_guard lock(server->mutex);
     if (connection == nullptr || answer) return;
@@ -191,6 +217,39 @@ MHD_Result HttpServer::Impl::Queue(MHD_Connection* connection, const HttpAnswer&
   return queued;
 }
 
+// By its head alone.
+MHD_Result HttpServer::Impl::Begin(MHD_Connection* connection, Exchange& exchange) {
+  constexpr std::size_t kPartsBuffer = 4096;
+  HttpRequest& request = exchange.request;
+  std::uint64_t announced = 0;
+  const std::string length = request.Header("content-length");
+  std::from_chars(length.data(), length.data() + length.size(), announced);
+  const bool form = uploads && request.method == "POST" &&
+                    request.Header("content-type").starts_with("multipart/form-data");
+  if (announced > (form ? limits.upload_bytes : limits.body_bytes))
+    return Queue(connection, {.code = MHD_HTTP_CONTENT_TOO_LARGE, .body = "that is too much\n"});
+  if (!form) return MHD_YES;
+  auto begun = uploads(request);
+  if (auto* refusal = std::get_if<HttpAnswer>(&begun)) return Queue(connection, *refusal);
+  request.upload = std::get<std::shared_ptr<HttpUpload>>(begun);
+  exchange.parts = MHD_create_post_processor(connection, kPartsBuffer, &TakePart, request.upload.get());
+  return exchange.parts == nullptr ? MHD_NO : MHD_YES;
+}
+
+// A piece of the body.
+MHD_Result HttpServer::Impl::Come(MHD_Connection* connection, Exchange& exchange, const char* data,
+                                  std::size_t size) {
+  exchange.came += size;
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - exchange.began;
+  if (took.count() > limits.silent_s && static_cast<double>(exchange.came) < took.count() * limits.slowest)
+    return MHD_NO;
+  if (exchange.came > (exchange.parts != nullptr ? limits.upload_bytes : limits.body_bytes)) return MHD_NO;
+  Touch(connection);
+  if (exchange.parts != nullptr) return MHD_post_process(exchange.parts, data, size);
+  exchange.request.body.append(data, size);
+  return MHD_YES;
+}
+
 // The answer, where there is one; else the connection sleeps until there is.
 MHD_Result HttpServer::Impl::Go(MHD_Connection* connection, Exchange& exchange) {
   HttpAnswer answer;
@@ -217,19 +276,15 @@ MHD_Result HttpServer::Impl::OnRequest(void* self, MHD_Connection* connection, c
       fresh->request = HeadOf(connection, path, method);
       *exchange = new std::shared_ptr<Exchange>(fresh);
       server.Touch(connection);
-      std::uint64_t announced = 0;
-      const std::string length = fresh->request.Header("content-length");
-      std::from_chars(length.data(), length.data() + length.size(), announced);
-      if (announced <= server.limits.body_bytes) return MHD_YES;
-      return server.Queue(connection, {.code = MHD_HTTP_CONTENT_TOO_LARGE, .body = "that is too much\n"});
+      return server.Begin(connection, *fresh);
     }
     Exchange& here = **static_cast<std::shared_ptr<Exchange>*>(*exchange);
     if (*size > 0) {
-      if (here.request.body.size() + *size > server.limits.body_bytes) return MHD_NO;
-      here.request.body.append(data, *size);
+      const MHD_Result taken = server.Come(connection, here, data, *size);
       *size = 0;
-      return MHD_YES;
+      return taken;
     }
+    if (!here.EndParts()) here.request.upload = nullptr;
     if (!std::exchange(here.handled, true))
       server.handler(here.request, *static_cast<std::shared_ptr<Exchange>*>(*exchange));
     return server.Go(connection, here);
@@ -242,6 +297,8 @@ void HttpServer::Impl::OnCompleted(void* self, MHD_Connection*, void** exchange,
   const std::unique_ptr<std::shared_ptr<Exchange>> owner(static_cast<std::shared_ptr<Exchange>*>(*exchange));
   *exchange = nullptr;
   if (!owner) return;
+  (*owner)->EndParts();
+  (*owner)->request.upload = nullptr;  // one that broke off goes now
   const std::lock_guard lock(static_cast<Impl*>(self)->mutex);
   (*owner)->connection = nullptr;
   static_cast<Impl*>(self)->awaiting.erase(owner->get());
@@ -279,13 +336,15 @@ void HttpServer::Impl::End() {
 }
 
 Result<std::unique_ptr<HttpServer>> HttpServer::Listen(const std::string& address, const std::string& purpose,
-                                                       const HttpLimits& limits, HttpHandler handler) {
+                                                       const HttpLimits& limits, HttpHandler handler,
+                                                       HttpUploads uploads) {
   const Result<int> socket = ListenAt(address, purpose);
   if (!socket.ok()) return socket.status();
   auto impl = std::make_shared<Impl>();
   impl->address = NameOfSocket(socket.value());
   impl->limits = limits;
   impl->handler = std::move(handler);
+  impl->uploads = std::move(uploads);
   wire::LeaveAlone(socket.value());
   // Room for as many again that were told to go and have not yet.
   impl->daemon =

@@ -7,23 +7,36 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "schema/error.h"
 
 namespace cairn::coordinator {
 
+// What a form brings that is no text to be kept in memory (multipart/form-data), as it comes. Called on the
+// server's thread, which it may not hold up. Where it breaks off, it is let go of and nobody is asked.
+class HttpUpload {
+ public:
+  virtual ~HttpUpload() = default;
+  // A part of a field's value; `file` is what the file of it was called, by a stranger.
+  virtual void Take(const std::string& field, const std::string& file, std::string_view bytes) = 0;
+};
+
 struct HttpRequest {
   std::string method, path;  // the path is decoded: %2F is a slash
   std::map<std::string, std::string> query = {};
   std::map<std::string, std::string> headers = {};  // by their names in small letters; of two the last
-  std::string body = {};
+  std::string body = {};                            // empty where there is an upload
+  std::shared_ptr<HttpUpload> upload = nullptr;     // null where what came was no whole form
 
   std::string Header(const std::string& name) const;  // empty where there is none
   std::string Query(const std::string& name) const;
@@ -56,6 +69,9 @@ class HttpReply {
 // Called on the server's thread: it may not wait, but may leave the answer to another thread. What it throws
 // ends the connection.
 using HttpHandler = std::function<void(const HttpRequest&, const std::shared_ptr<HttpReply>&)>;
+// Of a POST of multipart/form-data, before anything of it has come: where it goes, or the answer that refuses
+// it.
+using HttpUploads = std::function<std::variant<std::shared_ptr<HttpUpload>, HttpAnswer>(const HttpRequest&)>;
 
 struct HttpLimits {
   unsigned connections = 16;        // of more at a time the oldest goes that is no stream
@@ -63,13 +79,16 @@ struct HttpLimits {
   unsigned silent_s = 10;           // then a connection goes, unless an answer is awaited
   std::size_t head_bytes = 16'384;  // of a request
   std::size_t body_bytes = 0;       // of more a request is answered with 413
+  std::uint64_t upload_bytes = 0;   // the same of an upload, before it comes; one that says less breaks off
+  unsigned slowest = 1000;          // bytes a second, of a body that has been coming for `silent_s`
 };
 
 class HttpServer {
  public:
   // `address`, `purpose`: listen.h.
   static Result<std::unique_ptr<HttpServer>> Listen(const std::string& address, const std::string& purpose,
-                                                    const HttpLimits& limits, HttpHandler handler);
+                                                    const HttpLimits& limits, HttpHandler handler,
+                                                    HttpUploads uploads = nullptr);
   // Ends all connections; the handler is not called any more.
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;

@@ -132,24 +132,37 @@ std::string Entrance::WhatIsWrongWithHost(const HttpRequest& request) const {
   return known ? "" : "this page has the address " + origin_ + ", and no other";
 }
 
-std::string Entrance::SessionOf(const HttpRequest& request) const {
+// It is looked up by what it is, which nobody can guess bit by bit over a network.
+Entrance::Sessions::const_iterator Entrance::SessionOf(const HttpRequest& request) const {
   const std::string cookies = "; " + request.Header("cookie"), name = "; " + cookie_ + "=";
-  const std::size_t at = cookies.find(name);
-  if (at == std::string::npos) return "";
-  const std::size_t from = at + name.size();
-  return cookies.substr(from, std::min(cookies.find(';', from), cookies.size()) - from);
+  for (std::size_t at = cookies.find(name); at != std::string::npos; at = cookies.find(name, at)) {
+    at += name.size();
+    const auto session =
+        sessions_.find(cookies.substr(at, std::min(cookies.find(';', at), cookies.size()) - at));
+    if (session != sessions_.end()) return session;
+  }
+  return sessions_.end();
 }
 
-// It is looked up by what it is, which nobody can guess bit by bit over a network.
 bool Entrance::Knows(const HttpRequest& request, double now_s) {
-  const auto session = sessions_.find(SessionOf(request));
+  const auto session = SessionOf(request);
   if (session == sessions_.end()) return false;
-  if (now_s - session->second > kSession_s) {
+  if (now_s - session->second.used_s > kSession_s) {
     sessions_.erase(session);
     return false;
   }
-  session->second = now_s;
+  sessions_[session->first].used_s = now_s;
   return true;
+}
+
+bool Entrance::IsFormToken(const HttpRequest& request, const std::string& token) const {
+  const std::string ours = FormToken(request);
+  return !ours.empty() && IsSame(token, ours);
+}
+
+std::string Entrance::FormToken(const HttpRequest& request) const {
+  const auto session = SessionOf(request);
+  return session == sessions_.end() ? "" : session->second.form_token;
 }
 
 // No form and no link of another site can send this header, nor can its script unless it is allowed to, which
@@ -164,11 +177,11 @@ bool Entrance::IsOurOwn(const HttpRequest& request) const {
 std::string Entrance::Admit(double now_s) {
   if (sessions_.size() >= kMostSessions) {
     const auto oldest =
-        std::ranges::min_element(sessions_, {}, [](const auto& session) { return session.second; });
+        std::ranges::min_element(sessions_, {}, [](const auto& session) { return session.second.used_s; });
     sessions_.erase(oldest);
   }
   const std::string session = RandomText(24);
-  sessions_[session] = now_s;
+  sessions_[session] = {now_s, RandomText(24)};
   const char* secure = cookie_.starts_with("__Host-") ? "; Secure" : "";
   return cookie_ + "=" + session + "; Path=/; HttpOnly; SameSite=Strict" + secure;
 }
@@ -189,6 +202,8 @@ Result<std::string> Entrance::TakePassword(const std::string& password, double n
   return Status(Code::kRefused, "that is not the password");
 }
 
-void Entrance::Forget(const HttpRequest& request) { sessions_.erase(SessionOf(request)); }
+void Entrance::Forget(const HttpRequest& request) {
+  if (const auto session = SessionOf(request); session != sessions_.end()) sessions_.erase(session);
+}
 
 }  // namespace cairn::page

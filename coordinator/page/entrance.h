@@ -32,6 +32,9 @@ class Entrance {
   bool Knows(const coordinator::HttpRequest& request, double now_s);
   // Whether one of these pages itself sends it, and no other that the browser shows.
   bool IsOurOwn(const coordinator::HttpRequest& request) const;
+  // What a form of a page of his has with it, for what it sends can have no header; empty: he is not known.
+  std::string FormToken(const coordinator::HttpRequest& request) const;
+  bool IsFormToken(const coordinator::HttpRequest& request, const std::string& token) const;
 
   // What to set as a cookie; none where it is not right.
   std::optional<std::string> TakeToken(const std::string& token, double now_s);
@@ -41,7 +44,15 @@ class Entrance {
   bool has_password() const { return !options_.password.empty(); }
 
  private:
-  std::string SessionOf(const coordinator::HttpRequest& request) const;
+  struct Session {
+    double used_s = 0;  // last
+    std::string form_token;
+  };
+  using Sessions = std::map<std::string, Session>;
+
+  // Of a cookie of ours, which may stand behind others of its name: whoever serves another port of the same
+  // host can set such.
+  Sessions::const_iterator SessionOf(const coordinator::HttpRequest& request) const;
   std::string Admit(double now_s);
   void MakeLink();
 
@@ -50,8 +61,8 @@ class Entrance {
   std::string origin_;  // "http://127.0.0.1:8080"
   std::string cookie_;  // its name
   std::string token_;
-  std::map<std::string, double> sessions_;  // when each was last used
-  double failures_ = 0, failures_s_ = 0;    // passwords that were wrong, which are forgotten with time
+  Sessions sessions_;
+  double failures_ = 0, failures_s_ = 0;  // passwords that were wrong, which are forgotten with time
 };
 
 // 0x00…: so many bytes of the system's randomness, as hexadecimal digits.

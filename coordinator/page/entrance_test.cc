@@ -55,6 +55,28 @@ TEST_F(EntranceTest, ACookieIsOutOfReachOfScriptsAndOtherSitesAndOfPlainHttpBehi
   EXPECT_NE(secure.find("; Secure"), std::string::npos) << secure;
 }
 
+// A browser sends all cookies of a host to each of its ports, those of longer paths first.
+TEST_F(EntranceTest, CookiesOfOtherServicesOfTheHostArePassedOver) {
+  Entrance entrance = Make();
+  const std::string ours = *entrance.TakeToken(Token(), 0), cookie = ours.substr(0, ours.find(';'));
+  const std::string masses = [] {
+    std::string cookies;
+    for (int i = 0; i < 200; ++i) cookies += "cairn_page_" + std::to_string(9000 + i) + "=a; ";
+    return cookies;
+  }();
+  for (const std::string& cookies :
+       {cookie, "cairn_page_8080=; " + cookie, "cairn_page_8080=another; cairn_page_8080=third; " + cookie,
+        cookie + "; cairn_page_8080=later", "xcairn_page_8080=x; " + cookie, masses + cookie}) {
+    EXPECT_TRUE(entrance.Knows(Request({{"cookie", cookies}}), 1)) << cookies;
+    EXPECT_NE(entrance.FormToken(Request({{"cookie", cookies}})), "") << cookies;
+  }
+  for (const std::string& cookies :
+       {"x" + cookie, "cairn_page_80801" + cookie.substr(cookie.find('=')), cookie + "x", masses}) {
+    EXPECT_FALSE(entrance.Knows(Request({{"cookie", cookies}}), 1)) << cookies;
+    EXPECT_FALSE(entrance.IsFormToken(Request({{"cookie", cookies}}), "")) << "nobody's is empty";
+  }
+}
+
 TEST_F(EntranceTest, WhoHasNoCookieOrAnotherOrAnOldOneIsNotKnown) {
   Entrance entrance = Make();
   const std::string cookie = *entrance.TakeToken(Token(), 0);

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <sstream>
 #include <thread>
 
@@ -35,6 +36,7 @@ struct Arguments {
   std::string connect, key, server_key;
   std::string listen = "0", password_file, proxy;
   std::string run;  // the folder of the run that it is for
+  std::uint64_t upload_mb = 4000;
   bool read_only = false, die_with_parent = false;
 };
 
@@ -59,6 +61,12 @@ void Declare(cli::Command app, Arguments& a) {
   app.Add("--behind-proxy", a.proxy,
           "https://HOST, the address at which people reach it through a proxy, which has TLS");
   app.AddFlag("--read-only", a.read_only, "no buttons, and no commands, whatever the key may do");
+  app.Add(
+         "--upload-mb", a.upload_mb,
+         "what files that people bring here to start jobs with may take together, on this machine’s disk; 0: "
+         "no job is started from here")
+      .Within(std::uint64_t{0}, std::uint64_t{100'000'000})
+      .ShowDefault();
   app.Add("--run", a.run, "the folder of the run whose page this is (cairn run --page)");
   app.AddFlag("--die-with-parent", a.die_with_parent, "end with the process that started this one");
 }
@@ -106,10 +114,14 @@ void CheckAddress(const Arguments& a) {
         "another program listens there with TLS");
 }
 
-// The options that say which coordinator, for `cairn results`.
+// The options that say which coordinator, for `cairn results` and the like, in whatever folder they run.
 std::vector<std::string> ServiceWords(const Arguments& a) {
-  std::vector<std::string> words = {"--connect=" + a.connect};
-  if (!a.key.empty()) words.insert(words.end(), {"--key=" + a.key, "--server-key=" + a.server_key});
+  const auto whole = [](const std::string& path) { return std::filesystem::absolute(path).string(); };
+  const std::string ipc = "ipc://";
+  std::vector<std::string> words = {
+      "--connect=" + (a.connect.starts_with(ipc) ? ipc + whole(a.connect.substr(ipc.size())) : a.connect)};
+  if (!a.key.empty())
+    words.insert(words.end(), {"--key=" + whole(a.key), "--server-key=" + whole(a.server_key)});
   return words;
 }
 
@@ -128,14 +140,21 @@ int Serve(const Arguments& a) {
   ::signal(SIGPIPE, SIG_IGN);  // who read the link may go; it stays
   const std::string password = ReadPassword(a.password_file);
   CheckAddress(a);
+  const std::filesystem::path folder = std::filesystem::path(cli::HomeFolder()) / "page";
+  const std::uint64_t most_bytes = a.read_only ? 0 : a.upload_mb * 1'000'000;
+  std::optional<Desk> desk;  // outlives all that asks it
+  if (most_bytes > 0)
+    desk.emplace(DeskOptions{.program = cli::CairnProgram(),
+                             .service = ServiceWords(a),
+                             .folder = folder,
+                             .most_bytes = most_bytes});
   std::atomic<coordinator::HttpServer*> woken = nullptr;
   std::shared_ptr<Site> site;
   std::atomic<bool> begun = false;
   const auto watcher = std::make_shared<Watcher>(
-      WatcherOptions{.client = ClientOf(a),
-                     .results = {.program = cli::CairnProgram(),
-                                 .service = ServiceWords(a),
-                                 .folder = std::filesystem::path(cli::HomeFolder()) / "page"}},
+      WatcherOptions{
+          .client = ClientOf(a),
+          .results = {.program = cli::CairnProgram(), .service = ServiceWords(a), .folder = folder}},
       [&woken] {
         if (coordinator::HttpServer* server = woken) server->Wake();
       });
@@ -143,17 +162,23 @@ int Serve(const Arguments& a) {
                                        .streams = kStreams,
                                        .silent_s = 30,
                                        .head_bytes = 32'768,
-                                       .body_bytes = 16'384};
+                                       .body_bytes = 65'536,
+                                       .upload_bytes = 2 * most_bytes};
   std::unique_ptr<coordinator::HttpServer> server = cli::Take(coordinator::HttpServer::Listen(
       a.listen, "the page", limits,
       [&begun, &site](const coordinator::HttpRequest& request, const auto& reply) {
         if (begun) return site->Answer(request, reply);
         reply->Send({.code = 503, .body = "it begins\n"});
+      },
+      [&begun, &site](const coordinator::HttpRequest& request)
+          -> std::variant<std::shared_ptr<coordinator::HttpUpload>, coordinator::HttpAnswer> {
+        if (begun) return site->BeginUpload(request);
+        return coordinator::HttpAnswer{.code = 503, .body = "it begins\n"};
       }));
   const std::string foot = "Jobs of the coordinator at " + Text(a.connect) +
                            (a.read_only ? ", to look at" : "") + ". Cairn " CAIRN_VERSION ".";
   site = std::make_shared<Site>(
-      SiteOptions{.read_only = a.read_only, .foot = foot},
+      SiteOptions{.read_only = a.read_only, .foot = foot, .desk = desk ? &*desk : nullptr},
       Entrance({.address = server->address(), .proxy = a.proxy, .password = password}, SayLink), watcher,
       Clock_s);
   begun = true;

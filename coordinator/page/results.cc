@@ -1,21 +1,7 @@
 #include "coordinator/page/results.h"
 
-#include <fcntl.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/file.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <utility>
-
-#include "schema/error.h"
-#include "schema/store/atomic_file.h"
-#include "schema/store/regular_file.h"
-#include "schema/text.h"
 
 namespace cairn::page {
 namespace {
@@ -24,36 +10,6 @@ namespace fs = std::filesystem;
 
 std::string KeyOf(const std::string& job, std::uint32_t stages_done) {
   return job + "/" + std::to_string(stages_done);
-}
-
-// A descriptor that holds the lock; -1: another process does.
-int LockFolder(const fs::path& folder) {
-  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-  if (fd >= 0 && ::flock(fd, LOCK_EX | LOCK_NB) == 0) return fd;
-  if (fd >= 0) ::close(fd);
-  return -1;
-}
-
-// Those of processes that are no more.
-void RemoveOld(const fs::path& base) {
-  std::error_code error;
-  for (fs::directory_iterator it(base, error), end; !error && it != end; it.increment(error)) {
-    const int lock = LockFolder(it->path());
-    if (lock < 0) continue;
-    std::error_code ignored;
-    fs::remove_all(it->path(), ignored);
-    ::close(lock);
-  }
-}
-
-// The last line of what a program said, without its name.
-std::string LastLine(const fs::path& said) {
-  constexpr std::size_t kMostBytes = 1 << 16;
-  std::string text = ReadSmallFile(said, kMostBytes).ok() ? ReadSmallFile(said, kMostBytes).value() : "";
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  text = text.substr(text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1);
-  const std::string name = "cairn: ";
-  return Printable(text.starts_with(name) ? text.substr(name.size()) : text, 400);
 }
 
 FetchedResults LookInto(const fs::path& folder) {
@@ -70,24 +26,12 @@ FetchedResults LookInto(const fs::path& folder) {
 
 }  // namespace
 
-ResultsCache::ResultsCache(ResultsOptions options) : options_(std::move(options)) {
-  std::error_code error;
-  fs::create_directories(options_.folder, error);
-  RemoveOld(options_.folder);
-  std::string pattern = (options_.folder / "XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr)
-    throw std::runtime_error(SystemFailure(options_.folder, "make a folder in it", errno).message());
-  folder_ = pattern;
-  lock_ = LockFolder(folder_);
-}
+ResultsCache::ResultsCache(ResultsOptions options)
+    : options_(std::move(options)), folder_(options_.folder), helper_(options_.program, folder_.path()) {}
 
 ResultsCache::~ResultsCache() {
-  ending_ = true;
-  if (const pid_t pid = running_; pid > 0) ::kill(-pid, SIGKILL);
+  helper_.End();
   errands_.Stop();
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
-  if (lock_ >= 0) ::close(lock_);
 }
 
 void ResultsCache::Fetch(const std::string& job, std::uint32_t stages_done, Then then) {
@@ -120,7 +64,7 @@ void ResultsCache::Do(const std::string& key, const std::string& job) {
   fs::path folder;
   {
     const std::lock_guard lock(mutex_);
-    folder = folder_ / std::to_string(++folders_);
+    folder = folder_.path() / std::to_string(++folders_);
   }
   const std::string trouble = Run(job, folder);
   auto fetched = std::make_shared<FetchedResults>(LookInto(folder));
@@ -157,37 +101,11 @@ void ResultsCache::Keep(const std::string& key, const std::shared_ptr<const Fetc
 
 // Why it failed; empty: it did not.
 std::string ResultsCache::Run(const std::string& job, const fs::path& folder) {
-  const fs::path said = folder_ / "said";
-  std::vector<std::string> words = {options_.program, "results", "--out", folder.string()};
+  std::vector<std::string> words = {"results", "--out", folder.string()};
   words.insert(words.end(), options_.service.begin(), options_.service.end());
   words.insert(words.end(), {"--", job});
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, said.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl-C on the terminal is not for it
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  pid_t pid = 0;
-  const int failed =
-      ::posix_spawn(&pid, options_.program.c_str(), &actions, &attributes, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  posix_spawnattr_destroy(&attributes);
-  if (failed != 0) return options_.program + " cannot be run: " + std::strerror(failed);
-  running_ = pid;
-  if (ending_) ::kill(-pid, SIGKILL);
-  int status = 0;
-  while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
-  running_ = 0;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return "";
-  const std::string line = LastLine(said);
-  return line.empty() ? "The results could not be fetched." : "The results could not be fetched: " + line;
+  const std::string trouble = helper_.Run(words).trouble;
+  return trouble.empty() ? "" : "The results could not be fetched: " + trouble;
 }
 
 }  // namespace cairn::page

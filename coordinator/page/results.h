@@ -2,9 +2,6 @@
 // pictures, in a process of its own, so that nothing of what a result holds is read in this one.
 #pragma once
 
-#include <sys/types.h>
-
-#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -15,6 +12,7 @@
 #include <vector>
 
 #include "coordinator/page/errands.h"
+#include "coordinator/page/helper.h"
 #include "coordinator/page/source.h"
 
 namespace cairn::page {
@@ -45,10 +43,8 @@ class ResultsCache {
   void Keep(const std::string& key, const std::shared_ptr<const FetchedResults>& fetched);
 
   ResultsOptions options_;
-  std::filesystem::path folder_;  // of this process, locked while it lives
-  int lock_ = -1;
-  std::atomic<pid_t> running_ = 0;
-  std::atomic<bool> ending_ = false;
+  OwnFolder folder_;
+  Helper helper_;
 
   std::mutex mutex_;  // of all below
   std::map<std::string, std::shared_ptr<const FetchedResults>> kept_;

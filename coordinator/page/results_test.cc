@@ -1,50 +1,35 @@
 #include "coordinator/page/results.h"
 
 #include <gtest/gtest.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <fstream>
+#include <algorithm>
 #include <future>
-#include <sstream>
+#include <thread>
+
+#include "coordinator/page/testing/script.h"
 
 namespace cairn::page {
 namespace {
 
 namespace fs = std::filesystem;
 
-// A script in the place of `cairn`.
 class ResultsTest : public ::testing::Test {
  protected:
-  ResultsTest() {
-    std::string pattern = (fs::temp_directory_path() / "cairn-page-test-XXXXXX").string();
-    base_ = ::mkdtemp(pattern.data());
-  }
-  ~ResultsTest() override {
-    cache_.reset();
-    fs::remove_all(base_);
-  }
-  // `does`: in the folder of the results, as $OUT; the words that it was called with are in $base/words.
+  // `does`: in the folder of the results, as $OUT.
   void Make(const std::string& does) {
-    const fs::path program = base_ / "cairn";
-    std::ofstream(program) << "#!/bin/sh\necho \"$@\" >>'" << base_.string() << "/words'\nOUT=$3\n"
-                           << does << "\n";
-    fs::permissions(program, fs::perms::owner_all);
+    script_.Does("OUT=$3\n" + does);
     cache_ = std::make_unique<ResultsCache>(ResultsOptions{
-        .program = program.string(), .service = {"--connect=ipc:///x/y"}, .folder = base_ / "cache"});
+        .program = script_.program(), .service = {"--connect=ipc:///x/y"}, .folder = base_ / "cache"});
   }
   FetchedResults Fetch(const std::string& job, std::uint32_t stages = 1) {
     std::promise<FetchedResults> promise;
     cache_->Fetch(job, stages, [&](const FetchedResults& fetched) { promise.set_value(fetched); });
     return promise.get_future().get();
   }
-  std::string Words() const {
-    std::stringstream text;
-    text << std::ifstream(base_ / "words").rdbuf();
-    return text.str();
-  }
+  std::string Words() const { return script_.Words(); }
 
-  fs::path base_;
+  Script script_;
+  const fs::path base_ = script_.base();
   std::unique_ptr<ResultsCache> cache_;
 };
 

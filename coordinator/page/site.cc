@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "coordinator/page/answers.h"
 #include "coordinator/page/assets.h"
 #include "coordinator/page/html.h"
 
@@ -17,45 +18,6 @@ using coordinator::HttpRequest;
 
 constexpr double kSignOfLife_s = 10;
 constexpr std::size_t kMostMade = 256;
-constexpr const char* kHtml = "text/html; charset=utf-8";
-// A report has its styles and its script within it. They run in an origin of their own, from which they reach
-// nothing: no page of ours, no cookie, no network.
-constexpr const char* kReportPolicy =
-    "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline'; style-src "
-    "'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-constexpr const char* kPagePolicy =
-    "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'; object-src 'none'";
-
-HttpAnswer WithHeaders(HttpAnswer answer, const char* policy = kPagePolicy) {
-  for (const auto& [name, value] : std::initializer_list<std::pair<const char*, const char*>>{
-           {"Content-Security-Policy", policy},
-           {"X-Frame-Options", "DENY"},
-           {"X-Content-Type-Options", "nosniff"},
-           {"Referrer-Policy", "same-origin"},
-           {"Cross-Origin-Opener-Policy", "same-origin"},
-           {"Cross-Origin-Resource-Policy", "same-origin"},
-           {"Cache-Control", "no-store"}})
-    answer.headers.emplace_back(name, value);
-  return answer;
-}
-
-// A page that says one sentence.
-HttpAnswer Sentence(unsigned code, const std::string& title, const std::string& html) {
-  return WithHeaders({.code = code,
-                      .body = Page(title, "<h1>" + Text(title) + "</h1>\n" + html, "", "", ""),
-                      .type = kHtml});
-}
-
-HttpAnswer NotHere() {
-  return Sentence(404, "Not here", "<p>There is no such page. <a href=\"/\">All jobs</a></p>");
-}
-
-HttpAnswer Json(bool ok, const std::string& text) {
-  const nlohmann::json said = {{"ok", ok}, {"text", text}};
-  return WithHeaders({.body = said.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
-                      .type = "application/json"});
-}
-
 // In place of a picture that there is not.
 HttpAnswer SentenceAsPicture(const std::string& text) {
   return WithHeaders(
@@ -158,7 +120,9 @@ Site::Site(SiteOptions options, Entrance entrance, std::shared_ptr<Source> sourc
     : options_(std::move(options)),
       entrance_(std::move(entrance)),
       source_(std::move(source)),
-      now_s_(std::move(now_s)) {}
+      now_s_(std::move(now_s)),
+      start_(options_.desk == nullptr ? nullptr
+                                      : std::make_shared<StartPages>(options_.desk, options_.foot)) {}
 
 void Site::End(const std::string& why) {
   const std::lock_guard lock(mutex_);
@@ -189,6 +153,42 @@ void Site::Answer(const HttpRequest& request, const Reply& reply) {
   AnswerGet(request, reply);
 }
 
+std::string Site::WhyNoStart() const {
+  if (!start_ || options_.read_only) return "This page shows jobs, and starts none.";
+  const FactsPtr facts = source_->Latest();
+  if (!facts->known) return "The coordinator has not answered yet: load this page again.";
+  return facts->list.may_submit ? "" : "This page’s key may look on, and start no job.";
+}
+
+std::variant<std::shared_ptr<coordinator::HttpUpload>, HttpAnswer> Site::BeginUpload(
+    const HttpRequest& request) {
+  const auto refused = [](unsigned code, const std::string& why) {
+    return Sentence(code, "Not so", "<p>" + Text(why) + "</p>");
+  };
+  if (!entrance_.WhatIsWrongWithHost(request).empty() || !entrance_.IsOurOwn(request) ||
+      !entrance_.Knows(request, now_s_()) || !entrance_.IsFormToken(request, request.Query("token")))
+    return refused(403, "No page of these sent this.");
+  if (request.path != "/new/upload") return refused(404, "No file goes there.");
+  if (const std::string why = WhyNoStart(); !why.empty()) return refused(403, why);
+  return start_->Begin(request);
+}
+
+// Forms, which have no header of ours, but the token of his pages.
+void Site::AnswerStart(const HttpRequest& request, const Reply& reply) {
+  const std::string token = entrance_.FormToken(request);
+  const bool posts = request.method == "POST";
+  const auto in_form = [&] { return FormValues(request.body)["token"]; };
+  if (posts &&
+      !entrance_.IsFormToken(request, request.path == "/new/upload" ? request.Query("token") : in_form()))
+    return reply->Send(Sentence(403, "Not from here", "<p>No page of these sent this.</p>"));
+  source_->Look("", [self = shared_from_this(), posts, request, token, reply] {
+    if (const std::string why = self->WhyNoStart(); !why.empty())
+      return reply->Send(Sentence(403, "Not here", "<p>" + Text(why) + " <a href=\"/\">All jobs</a></p>"));
+    if (posts) return self->start_->Post(request, token, reply);
+    self->start_->Get(request.path, token, reply);
+  });
+}
+
 void Site::AnswerStranger(const HttpRequest& request, const Reply& reply) {
   const std::string token = request.Query("token");
   if (request.path == "/" && !token.empty())
@@ -212,6 +212,7 @@ void Site::AnswerStranger(const HttpRequest& request, const Reply& reply) {
 void Site::AnswerGet(const HttpRequest& request, const Reply& reply) {
   const std::string& path = request.path;
   if (path == "/events") return AnswerEvents(request, reply);
+  if (path == "/new" || path.starts_with("/new/")) return AnswerStart(request, reply);
   if (path == "/" || path == "/workers") {
     source_->Look("", [self = shared_from_this(), view = ViewOf(path, request), reply] {
       reply->Send(self->PageOf(view));
@@ -270,11 +271,12 @@ void Site::AnswerFile(const std::string& job, const std::string& what, const Rep
 }
 
 void Site::AnswerPost(const HttpRequest& request, const Reply& reply) {
+  if (request.path.starts_with("/new/")) return AnswerStart(request, reply);
   if (request.Header("x-cairn") != "page")
-    return reply->Send(Json(false, "This was not sent by a page of Cairn's."));
+    return reply->Send(JsonAnswer(false, "This was not sent by a page of Cairn's."));
   if (request.path == "/logout") {
     entrance_.Forget(request);
-    return reply->Send(Json(true, "Signed out."));
+    return reply->Send(JsonAnswer(true, "Signed out."));
   }
   const std::string jobs = "/jobs/";
   const std::size_t slash = request.path.rfind('/');
@@ -286,19 +288,20 @@ void Site::AnswerPost(const HttpRequest& request, const Reply& reply) {
     action = request.path.substr(slash + 1);
     job = facts->Find(id);
   }
-  if (job == nullptr) return reply->Send(Json(false, "There is no such job any more."));
+  if (job == nullptr) return reply->Send(JsonAnswer(false, "There is no such job any more."));
   if (options_.read_only)
-    return reply->Send(Json(false, "This page shows jobs, and commands none (--read-only)."));
+    return reply->Send(JsonAnswer(false, "This page shows jobs, and commands none (--read-only)."));
   const std::vector<std::string> all = {"pause", "resume", "cancel", "retry", "delete", "priority"};
   if (std::ranges::find(all, action) == all.end())
-    return reply->Send(Json(false, "There is no such command."));
+    return reply->Send(JsonAnswer(false, "There is no such command."));
   int priority = 0;
   const std::string wanted = FormValues(request.body)["priority"];
   const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), priority);
   if (action == "priority" && (error != std::errc() || end != wanted.data() + wanted.size()))
-    return reply->Send(Json(false, "A priority is a whole number."));
-  source_->Command(id, action, priority,
-                   [reply](const CommandOutcome& outcome) { reply->Send(Json(outcome.ok, outcome.text)); });
+    return reply->Send(JsonAnswer(false, "A priority is a whole number."));
+  source_->Command(id, action, priority, [reply](const CommandOutcome& outcome) {
+    reply->Send(JsonAnswer(outcome.ok, outcome.text));
+  });
 }
 
 void Site::AnswerEvents(const HttpRequest& request, const Reply& reply) {
@@ -340,7 +343,8 @@ std::shared_ptr<const Parts> Site::PartsFor(const View& view) {
   auto parts = std::make_shared<const Parts>(PartsOf(view, {.facts = *facts,
                                                             .history = history,
                                                             .results = fetched ? &fetched->files : nullptr,
-                                                            .may_command = MayCommand(job)}));
+                                                            .may_command = MayCommand(job),
+                                                            .may_start = WhyNoStart().empty()}));
   made_[key] = {facts, history, fetched != nullptr, parts};
   return parts;
 }

@@ -6,10 +6,12 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <variant>
 
 #include "coordinator/http/http_server.h"
 #include "coordinator/page/entrance.h"
 #include "coordinator/page/source.h"
+#include "coordinator/page/start.h"
 #include "coordinator/page/views.h"
 
 namespace cairn::page {
@@ -17,6 +19,7 @@ namespace cairn::page {
 struct SiteOptions {
   bool read_only = false;  // nobody commands a job from here
   std::string foot = {};   // under each page: whose coordinator it shows
+  Desk* desk = nullptr;    // where jobs are started from here; outlives the site
 };
 
 class Site : public std::enable_shared_from_this<Site> {
@@ -26,6 +29,10 @@ class Site : public std::enable_shared_from_this<Site> {
 
   // On the thread of the server.
   void Answer(const coordinator::HttpRequest& request, const std::shared_ptr<coordinator::HttpReply>& reply);
+
+  // The same of what has yet to come: files alone are taken, of whoever may start a job.
+  std::variant<std::shared_ptr<coordinator::HttpUpload>, coordinator::HttpAnswer> BeginUpload(
+      const coordinator::HttpRequest& request);
 
   // From now on streams end with this sentence.
   void End(const std::string& why);
@@ -39,16 +46,20 @@ class Site : public std::enable_shared_from_this<Site> {
   void AnswerJob(const std::string& job, const std::string& what, const Reply& reply);
   void AnswerFile(const std::string& job, const std::string& what, const Reply& reply);
   void AnswerPost(const coordinator::HttpRequest& request, const Reply& reply);
+  void AnswerStart(const coordinator::HttpRequest& request, const Reply& reply);
   void AnswerEvents(const coordinator::HttpRequest& request, const Reply& reply);
   coordinator::HttpAnswer PageOf(const View& view);
   std::shared_ptr<const Parts> PartsFor(const View& view);
   bool MayCommand(const wire::JobInfo* job) const;
+  // Why who looks on starts no job from here; empty: he may.
+  std::string WhyNoStart() const;
   std::string Farewell();
 
   SiteOptions options_;
   Entrance entrance_;
   std::shared_ptr<Source> source_;
   std::function<double()> now_s_;
+  std::shared_ptr<StartPages> start_;  // null: none is started from here
 
   struct Made {
     FactsPtr of;

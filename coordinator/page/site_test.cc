@@ -5,115 +5,14 @@
 #include <nlohmann/json.hpp>
 
 #include "coordinator/page/assets.h"
+#include "coordinator/page/testing/site_fixture.h"
 
 namespace cairn::page {
 namespace {
 
 using coordinator::HttpAnswer;
-using coordinator::HttpRequest;
 
-class FakeSource : public Source {
- public:
-  FactsPtr Latest() override { return facts; }
-  HistoryPtr HistoryOf(const std::string&) override { return history; }
-  void Look(const std::string& job, std::function<void()> then) override {
-    looks.push_back(job);
-    if (then) then();
-  }
-  void Command(const std::string& job, const std::string& action, int priority,
-               std::function<void(const CommandOutcome&)> then) override {
-    commands.push_back(job + " " + action + " " + std::to_string(priority));
-    then(outcome);
-  }
-  void FetchResults(const std::string& job, std::uint32_t stages,
-                    std::function<void(const FetchedResults&)> then) override {
-    fetched.push_back(job + " " + std::to_string(stages));
-    then(results);
-  }
-  std::shared_ptr<const FetchedResults> Fetched(const std::string&, std::uint32_t) override {
-    return nullptr;
-  }
-
-  FactsPtr facts = std::make_shared<Facts>();
-  HistoryPtr history;
-  CommandOutcome outcome{true, "1-hall is paused."};
-  FetchedResults results{
-      .folder = "/cache/1", .files = {.stages = {"map"}, .has_report = true}, .picture = "map.png"};
-  std::vector<std::string> looks, commands, fetched;
-};
-
-class Kept : public coordinator::HttpReply {
- public:
-  void Send(HttpAnswer told) override {
-    EXPECT_FALSE(answer) << "answered twice";
-    answer = std::move(told);
-  }
-  std::optional<HttpAnswer> answer;
-};
-
-wire::JobInfo Hall(const std::string& name = "hall", const std::string& state = "running") {
-  wire::JobInfo job;
-  job.set_id("1-hall");
-  job.set_name(name);
-  job.set_state(state);
-  job.set_stages(2);
-  job.set_stage(1);
-  job.set_stage_name("map");
-  return job;
-}
-
-class SiteTest : public ::testing::Test {
- protected:
-  SiteTest() { Make({}); }
-  void Make(const SiteOptions& options, const std::string& password = "") {
-    site_ = std::make_shared<Site>(options,
-                                   Entrance({.address = "127.0.0.1:8080", .proxy = "", .password = password},
-                                            [this](const std::string& link) { link_ = link; }),
-                                   source_, [this] { return now_s_; });
-    const HttpAnswer welcome = Ask("GET", "/", {{"token", link_.substr(link_.find('=') + 1)}});
-    for (const auto& [name, value] : welcome.headers)
-      if (name == "Set-Cookie") cookie_ = value.substr(0, value.find(';'));
-    Know({Hall()});
-  }
-  void Know(std::vector<wire::JobInfo> jobs, const std::string& trouble = "") {
-    auto facts = std::make_shared<Facts>();
-    facts->number = source_->facts->number + 1;
-    facts->known = true;
-    facts->list.jobs = std::move(jobs);
-    facts->utc = "12:00:00 UTC";
-    facts->trouble = trouble;
-    source_->facts = facts;
-  }
-  HttpAnswer Ask(const std::string& method, const std::string& path,
-                 std::map<std::string, std::string> query = {},
-                 std::map<std::string, std::string> headers = {}, const std::string& body = "") {
-    HttpRequest request{.method = method,
-                        .path = path,
-                        .query = std::move(query),
-                        .headers = std::move(headers),
-                        .body = body};
-    request.headers.try_emplace("host", "127.0.0.1:8080");
-    request.headers.try_emplace("cookie", cookie_);
-    const auto reply = std::make_shared<Kept>();
-    site_->Answer(request, reply);
-    EXPECT_TRUE(reply->answer) << path;
-    return *reply->answer;
-  }
-  HttpAnswer Get(const std::string& path) { return Ask("GET", path); }
-  nlohmann::json Post(const std::string& path, const std::string& body = "") {
-    return nlohmann::json::parse(Ask("POST", path, {}, {{"x-cairn", "page"}}, body).body);
-  }
-  static std::string HeaderOf(const HttpAnswer& answer, const std::string& name) {
-    for (const auto& [known, value] : answer.headers)
-      if (known == name) return value;
-    return "";
-  }
-
-  std::string link_, cookie_;
-  double now_s_ = 0;
-  std::shared_ptr<FakeSource> source_ = std::make_shared<FakeSource>();
-  std::shared_ptr<Site> site_;
-};
+class SiteTest : public SiteFixture {};
 
 TEST_F(SiteTest, AStrangerSeesNothingAndDoesNothing) {
   cookie_ = "";

@@ -36,7 +36,7 @@ std::string StoreTile(const coordinator::StoreFacts& store) {
                   part, 100 * part));
 }
 
-std::string SummaryHtml(const Facts& facts) {
+std::string SummaryHtml(const Facts& facts, bool may_start) {
   std::map<std::string, std::size_t> counts;
   for (const wire::JobInfo& job : facts.list.jobs) ++counts[job.state()];
   std::string tiles;
@@ -47,7 +47,9 @@ std::string SummaryHtml(const Facts& facts) {
   const auto busy = std::ranges::count_if(facts.workers, [](const auto& w) { return w.assigned() > 0; });
   tiles += fmt::format("<a class=\"tile\" href=\"/workers\"><b>{} of {}</b><span>workers busy</span></a>\n",
                        busy, facts.workers.size());
-  return "<div class=\"tiles\">\n" + tiles + StoreTile(facts.list.store) + "</div>\n";
+  const std::string start =
+      may_start ? "<p class=\"links\"><a class=\"button main\" href=\"/new\">Start a job</a></p>\n" : "";
+  return start + "<div class=\"tiles\">\n" + tiles + StoreTile(facts.list.store) + "</div>\n";
 }
 
 std::vector<const wire::JobInfo*> Chosen(const View& view, const Facts& facts) {
@@ -208,7 +210,7 @@ Parts PartsOf(const View& view, const ViewContext& context) {
     add("workers", WorkersHtml(facts));
     add("times", TimesHtml(facts.times, ""));
   } else {
-    add("summary", SummaryHtml(facts));
+    add("summary", SummaryHtml(facts, context.may_start));
     add("jobs", JobsHtml(view, facts));
     add("refused", RefusalsHtml(facts));
   }

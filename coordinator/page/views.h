@@ -37,6 +37,7 @@ struct ViewContext {
   HistoryPtr history = nullptr;          // of the job
   const ResultFiles* results = nullptr;  // null: not fetched yet
   bool may_command = true;
+  bool may_start = false;  // jobs
 };
 
 inline constexpr std::uint64_t kJobsOnAPage = 50;

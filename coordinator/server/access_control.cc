@@ -154,6 +154,11 @@ std::string AccessControl::OwnerOf(const std::string& user) const {
   return name.empty() ? user : name;
 }
 
+bool AccessControl::MaySubmit(const std::string& user) const {
+  const wire::Allowed* allowed = list_ ? list_->Find(user) : nullptr;
+  return !list_ || (allowed != nullptr && Has(allowed->roles, Right::kSubmit));
+}
+
 bool AccessControl::MayCommand(const std::string& user, const std::string& owner) const {
   const wire::Allowed* allowed = list_ ? list_->Find(user) : nullptr;
   if (!list_ || (allowed != nullptr && allowed->roles.admin)) return true;

@@ -44,6 +44,7 @@ class AccessControl {
   // Whose jobs are those that `user` submits: what its key is called, or, where it has no name, that key.
   // Without keys whoever starts the coordinator.
   std::string OwnerOf(const std::string& user) const;
+  bool MaySubmit(const std::string& user) const;
   // Whether `user`, who may submit, may command a job of `owner`; where that is empty, it is nobody's.
   bool MayCommand(const std::string& user, const std::string& owner) const;
   // Whether the key that a worker's connection is bound to may still work.

@@ -50,15 +50,16 @@ TEST_F(Owners, EverybodySeesWhoseAJobIsAndWhetherItIsHis) {
   const std::string job = AJob();
   struct Sees {
     std::string user;
-    bool foreign;
+    bool foreign, may_submit = true;
   };
   for (const Sees& sees :
-       {Sees{submitter_, false}, Sees{other_, true}, Sees{worker_, false}, Sees{viewer_, true}})
+       {Sees{submitter_, false}, Sees{other_, true}, Sees{worker_, false}, Sees{viewer_, true, false}})
     for (const std::string& asked : {job, std::string()}) {
       const wire::Reply reply = Ask(sees.user, Query("status", asked)).reply();
       ASSERT_EQ(reply.jobs_size(), 1);
       EXPECT_EQ(reply.jobs(0).owner(), "ann");
       EXPECT_EQ(reply.jobs(0).foreign(), sees.foreign);
+      EXPECT_EQ(reply.may_submit(), sees.may_submit) << "or he is offered what he may not do";
     }
   EXPECT_TRUE(Ask(other_, Query("logs", job)).reply().ok());
   EXPECT_TRUE(Ask(viewer_, Query("results", job)).reply().ok());

@@ -211,6 +211,7 @@ void Server::Serve(const std::string& peer, const std::string& user, const wire:
     info.set_foreign(!access_control_.MayCommand(user, info.owner()));
   for (const auto& [kind, count] : refusals_.Counts())
     (*reply.envelope.mutable_reply()->mutable_refused())[kind] = count;
+  reply.envelope.mutable_reply()->set_may_submit(access_control_.MaySubmit(user));
   reply.envelope.mutable_reply()->set_warning(Warning());
   reply.envelope.mutable_reply()->set_store_fails(!store_trouble_.empty());
   reply.envelope.mutable_reply()->set_store_bytes(use_.bytes());

@@ -159,6 +159,68 @@ def fail_retry_delete(walk):
     walk.no_errors('deleted')
 
 
+def choose_file(walk, file):
+    """By the form, whose file is chosen as a person does."""
+    walk.browser.open(walk.origin + '/new')
+    walk.browser.find('input[type=file]').type(os.path.abspath(file))
+    walk.browser.find('#bring button').click()
+
+
+def start_a_job(walk):
+    """From a file to a job that runs, by forms."""
+    browser = walk.browser
+    walk.go('/')
+    browser.until(lambda: browser.has('a[href="/new"]'), 'where jobs are started')
+    evil = '<img src=x onerror=alert(1)>.h5'
+    shutil.copy('log.h5', evil)
+    choose_file(walk, evil)
+    walk.until_says('What to make of it')
+    assert browser.text('h1').startswith('_img_src_x_onerror'), browser.text('h1')
+    assert 'controls' in browser.text('.facts'), browser.text()
+    browser.run('document.querySelector("details").open = true')
+    walk.check('new-file')
+    here = browser.address()
+    browser.open(walk.origin + '/new')
+    walk.check('new')
+    browser.open(here)
+    browser.find('a[href$="/landmark_map"]').click()
+    walk.until_says('cell_m')
+    browser.find('[name=name]').type(EVIL)
+    browser.find('[name=seed]').type('11')
+    browser.find('[name="set.cell_m"]').type('1000')
+    walk.check('new-options')
+    browser.find('[value=submit]').click()
+    assert not browser.run('return document.querySelector("[name=\\"set.cell_m\\"]").checkValidity()'), 'no range'
+    browser.run('document.querySelector("form.order").noValidate = true')  # as a browser does that knows no ranges
+    browser.find('[value=plan]').click()
+    walk.until_says('--set cell_m=1000: ')
+    browser.errors()  # the browser calls an answer of 400 one
+    browser.run('document.querySelector("[name=\\"set.cell_m\\"]").value = "0.5"')
+    browser.find('[value=plan]').click()
+    browser.until(lambda: browser.has('#plan .facts'), 'an estimate')
+    assert 'Memory of a worker' in browser.text('#plan'), browser.text('#plan')
+    walk.check('new-plan')
+    browser.find('[value=submit]').click()
+    browser.until(lambda: '/jobs/' in browser.address(), 'the job')
+    job = browser.address().rsplit('/', 1)[1]
+    walk.go('/jobs/' + job)
+    walk.until_says(EVIL, '.title')
+    assert browser.run('return document.title') != 'evil', 'a name was run'
+    walk.until_says('done', '.title')
+    browser.open(here)
+    browser.find('form button').click()
+    walk.until_says('Start a job', 'h1')
+    assert browser.run('return location.pathname') == '/new', browser.address()
+    assert not browser.has('tbody'), 'it is still here'
+    with open('not.h5', 'w') as file:
+        file.write('FLASER 1 2 3\n')
+    choose_file(walk, 'not.h5')
+    walk.until_says('no file of Cairn')
+    assert not browser.has('a[href$="/landmark_map"]'), 'a job is offered of what is no log'
+    walk.no_errors('start a job')
+    cairn('delete', job)
+
+
 def another_deletes(walk):
     job = submit('landmark_map', 'log.h5', '--seed', '2')
     walk.go('/jobs/' + job)
@@ -225,6 +287,10 @@ def without_script(walk):
     assert 'landmark_map</a>' in html and '<tbody' in html, 'without a script it says nothing'
     for action in ('pause', 'delete'):
         assert f'data-action="{action}"' not in html
+    choose_file(walk, 'log.h5')
+    html = until(lambda: (lambda text: text if 'What to make of it' in text else '')(walk.browser.ask('GET', '/source')),
+                 'what is in a file, without a script')
+    assert '/landmark_map"' in html, html
     walk.browser.command('Emulation.setScriptExecutionDisabled', value=False)
 
 
@@ -245,6 +311,12 @@ def keys(service):
     walk.until_says('queued', '.title')
     walk.until_says('desk', '.facts')
     assert not walk.browser.has('[data-action]'), 'a viewer is offered what he may not do'
+    walk.browser.open(walk.origin + '/new')
+    walk.until_says('start no job')
+    walk.browser.errors()  # the browser calls an answer of 403 one
+    walk.go('/')
+    assert not walk.browser.has('a[href="/new"]'), 'a viewer is offered to start a job'
+    walk.go('/jobs/' + job)
     cairn('keys', 'revoke', folder + 'viewer.pub')
     walk.until_says('does not let this page\'s key in')
     assert job in walk.browser.text(), 'what was known is gone'
@@ -318,6 +390,7 @@ def main():
         run_pause_resume(walk, job)
         fail_retry_delete(walk)
         another_deletes(walk)
+        start_a_job(walk)
         coordinator = killed(walk, coordinator, job)
         find_by_keyboard(walk, job)
         without_script(walk)

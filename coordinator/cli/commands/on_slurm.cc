@@ -74,6 +74,7 @@ std::vector<std::string> SubmitWords(const JobArguments& job) {
     words = {fs::absolute(job.what).string()};
   } else {
     words = {job.what, fs::absolute(job.file).string(), "--seed", std::to_string(job.seed)};
+    if (!job.name.empty()) words.insert(words.end(), {"--name", job.name});
     for (const std::string& setting : job.settings) words.insert(words.end(), {"--set", setting});
     for (const std::string& input : job.inputs) {
       const std::size_t equals = input.find('=');

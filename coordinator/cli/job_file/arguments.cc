@@ -55,7 +55,7 @@ ParsedJob MakeJob(const JobArguments& arguments, const Catalog& catalog) {
   }
   RequireFile(arguments.file);
   ParsedJob parsed;
-  parsed.job.set_name(pipeline.name);
+  parsed.job.set_name(arguments.name.empty() ? pipeline.name : arguments.name);
   parsed.job.set_seed(arguments.seed);
   (*parsed.job.mutable_inputs())[main] = arguments.file;
   parsed.inputs[main] = {arguments.file, "the " + main};
@@ -91,6 +91,8 @@ void AddJobArguments(Command command, JobArguments& arguments) {
       .Add("--input", arguments.inputs,
            "Another input of the pipeline, name=FILE (map=first/landmark_map.h5); again for another")
       .OneEachTime();
+  command.Add("--name", arguments.name,
+              "What the job is called, where a pipeline is named (as the pipeline)");
   command.AddFlag("--units-are-right", arguments.units_are_right,
                   "Take a log of what no robot does, instead of asking for its units");
   command.Add("--seed", arguments.seed, "Seed, where a pipeline is named").Check(CheckSeed).ShowDefault();
@@ -124,9 +126,11 @@ ParsedJob ResolveJob(const JobArguments& arguments, const Catalog& catalog) {
   if (!arguments.file.empty()) {
     throw InputError("a job file names its own inputs; '" + arguments.file + "' is one too many");
   }
-  if (!arguments.settings.empty() || !arguments.inputs.empty() || arguments.seed != 0) {
-    throw InputError("--set, --input and --seed are for a pipeline without a job file; write them into " +
-                     arguments.what);
+  if (!arguments.settings.empty() || !arguments.inputs.empty() || arguments.seed != 0 ||
+      !arguments.name.empty()) {
+    throw InputError(
+        "--set, --input, --seed and --name are for a pipeline without a job file; write them into " +
+        arguments.what);
   }
   return WithPlainTexts(ReadJobFile(arguments.what, catalog));
 }

@@ -19,6 +19,7 @@ struct JobArguments {
   std::uint64_t seed = 0;
   std::vector<std::string> inputs;  // name=FILE, beside the main one
   bool units_are_right = false;     // take a log of what no robot does
+  std::string name = {};            // of the job, where a pipeline is named; empty: as the pipeline
 };
 
 // The input that a file is for whose name stands alone: the first one of the pipeline's list.

@@ -284,6 +284,19 @@ TEST_F(JobFile, ArgumentsGiveTheSameOptionsAsAFile) {
   }
 }
 
+TEST_F(JobFile, AJobOfAPipelineIsCalledAsIsSaid) {
+  JobArguments arguments{"landmark_map", (folder_ / "museum.h5").string(), {}, 7, {}};
+  EXPECT_EQ(ResolveJob(arguments, catalog_).job.name(), "landmark_map");
+  arguments.name = "hall";
+  EXPECT_EQ(ResolveJob(arguments, catalog_).job.name(), "hall");
+  EXPECT_EQ(ResolveJob(arguments, catalog_).job.stages(0).name(), "landmark_map");
+  arguments.name = "a\nb";
+  EXPECT_THROW(ResolveJob(arguments, catalog_), InputError);
+  std::ofstream(folder_ / "job.yaml") << kGood;
+  EXPECT_THROW(ResolveJob({(folder_ / "job.yaml").string(), "", {}, 0, {}, false, "hall"}, catalog_),
+               InputError);
+}
+
 TEST_F(JobFile, HostileTextsAreRefusedAtOnce) {
   EXPECT_EQ(Complaint("!,o"), "job.yaml:1: the job: a map of `key: value` is needed");
   EXPECT_EQ(Complaint("name: !!python/object:os.system x\n"),

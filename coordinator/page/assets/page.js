@@ -152,7 +152,39 @@ async function act(element, action, body) {
   for (const button of buttons) button.disabled = false;
 }
 
+// A file on its way shows how far it has come; one that is too large is not sent.
+function bring(form, event) {
+  const file = form.querySelector('input[type=file]').files[0];
+  if (!file) return;
+  event.preventDefault();
+  if (file.size > Number(form.dataset.most)) {
+    tell('“' + file.name + '” is larger than there is room for here: “cairn submit” takes it.');
+    return;
+  }
+  const button = form.querySelector('button'), bar = form.querySelector('progress');
+  const end = (text) => {
+    bar.hidden = true;
+    button.disabled = false;
+    if (text) tell(text);
+  };
+  const request = new XMLHttpRequest();
+  request.upload.addEventListener('progress', (at) => { bar.value = at.total ? at.loaded / at.total : 0; });
+  request.addEventListener('error', () => end('The file did not get here: “cairn page” does not answer, or there is no room for it.'));
+  request.addEventListener('load', () => {
+    if (request.status === 200 && request.responseURL !== form.action) return location.assign(request.responseURL);
+    const answer = new DOMParser().parseFromString(request.responseText, 'text/html').getElementById('main');
+    end(answer ? '' : 'The file was not taken.');
+    if (answer) put($('main'), answer.innerHTML);
+  });
+  bar.hidden = false;
+  button.disabled = true;
+  tell('');
+  request.open('POST', form.action);
+  request.send(new FormData(form));
+}
+
 document.documentElement.classList.add('has-script');
+document.addEventListener('submit', (event) => event.target.id === 'bring' && bring(event.target, event));
 document.addEventListener('click', (event) => {
   const button = event.target.closest('button[data-action]');
   if (!button) return;

@@ -1,0 +1,243 @@
+#include "coordinator/page/desk.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "schema/text.h"
+
+namespace cairn::page {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMostPlanning_s = 600;
+constexpr std::uint64_t kLeftFree_bytes = 256 << 20;  // of the disk
+
+std::string NoRoom(std::uint64_t most_bytes) {
+  return "There is room for " + BytesText(most_bytes) +
+         " of files here in all: remove one that is not needed, or submit it with “cairn submit”.";
+}
+
+}  // namespace
+
+std::string PlainName(const std::string& called) {
+  constexpr std::size_t kMost = 80;
+  std::string name = called.substr(called.find_last_of("/\\") + 1);
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_' && c != '.') c = '_';
+  name = name.substr(std::min(name.find_first_not_of(".-"), name.size()));
+  if (name.size() > kMost) name = name.substr(name.size() - kMost);  // what kind it is stands at the end
+  return name.empty() ? "file" : name;
+}
+
+std::string BroughtFile::Kind() const {
+  const auto kind = content.is_object() ? content.find("kind") : content.end();
+  return content.is_object() && kind != content.end() && kind->is_string() ? kind->get<std::string>() : "";
+}
+
+Upload::~Upload() {
+  if (!kept_) Drop();
+  if (fd_ >= 0) ::close(fd_);
+  const std::lock_guard lock(desk_->mutex_);
+  if (is_counted_) --desk_->uploads_;
+}
+
+// What is left of it goes; what still comes is not kept.
+void Upload::Drop() {
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+  desk_->Shrink(std::exchange(bytes_, 0));
+}
+
+void Upload::Open(const std::string& called) {
+  name_ = PlainName(called);
+  std::error_code error;
+  fs::create_directory(folder_, error);
+  fd_ = ::open((folder_ / name_).c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+  if (fd_ < 0) trouble_ = "It cannot be kept here: " + std::string(std::strerror(errno)) + ".";
+}
+
+void Upload::Take(const std::string& field, const std::string& file, std::string_view bytes) {
+  if (field != "file" || !trouble_.empty()) return;
+  if (fd_ < 0 && !file.empty()) Open(file);
+  if (fd_ < 0) return;
+  if (!desk_->Grow(bytes.size())) {
+    trouble_ = NoRoom(desk_->most_bytes());
+    return Drop();
+  }
+  bytes_ += bytes.size();
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(fd_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) {
+      trouble_ = "It cannot be kept here: " + std::string(std::strerror(errno)) + ".";
+      return Drop();
+    }
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+Desk::Desk(DeskOptions options)
+    : options_(std::move(options)),
+      folder_(options_.folder),
+      plans_(options_.program, folder_.path() / "plans"),
+      submits_(options_.program, folder_.path() / "submits") {
+  for (const char* name : {"plans", "submits", "files"}) fs::create_directory(folder_.path() / name);
+}
+
+Desk::~Desk() {
+  plans_.End();
+  submits_.End();
+  planning_.Stop();
+  submitting_.Stop();
+}
+
+bool Desk::Grow(std::uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (bytes_ + bytes > options_.most_bytes) return false;
+  bytes_ += bytes;
+  return true;
+}
+
+void Desk::Shrink(std::uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  bytes_ -= bytes;
+}
+
+std::string Desk::WhyNoRoom(std::uint64_t announced) const {
+  if (uploads_ >= kMostUploads) return "Other uploads are under way: try again soon.";
+  if (files_.size() >= kMostFiles) return "There are many files here already: remove one that is not needed.";
+  if (announced > options_.most_bytes - bytes_) return NoRoom(options_.most_bytes);
+  std::error_code error;
+  const fs::space_info space = fs::space(folder_.path(), error);
+  if (!error && space.available < announced + kLeftFree_bytes)
+    return "The disk of the machine that “cairn page” runs on has too little room for it.";
+  return "";
+}
+
+std::shared_ptr<Upload> Desk::Begin(std::uint64_t announced) {
+  const std::lock_guard lock(mutex_);
+  const std::string why = WhyNoRoom(announced);
+  if (why.empty()) ++uploads_;
+  return std::make_shared<Upload>(this, folder_.path() / "files" / std::to_string(++numbers_), why);
+}
+
+void Desk::Keep(const std::shared_ptr<Upload>& upload,
+                std::function<void(std::uint64_t, const std::string&)> then) {
+  std::string trouble = upload->trouble_;
+  if (trouble.empty() && upload->bytes_ == 0) trouble = "No file was chosen, or it is empty.";
+  if (!trouble.empty()) return then(0, trouble);
+  BroughtFile file{.number = 0, .name = upload->name_, .bytes = upload->bytes_};
+  file.number = std::stoull(upload->folder_.filename().string());
+  upload->kept_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    files_.push_back(file);
+  }
+  Run(&planning_, &plans_, {"inspect", "--json", "--", std::to_string(file.number) + "/" + file.name},
+      kMostPlanning_s, [this, number = file.number, then](const Helper::Outcome& said) {
+        {
+          const std::lock_guard lock(mutex_);
+          const auto here = std::ranges::find(files_, number, &BroughtFile::number);
+          if (here != files_.end()) {
+            here->looked_at = true;
+            here->content = nlohmann::json::parse(said.printed, nullptr, false);
+            if (!here->content.is_object()) here->content = nullptr;
+            here->trouble = said.trouble;
+          }
+        }
+        then(number, "");
+      });
+}
+
+std::vector<BroughtFile> Desk::Files() {
+  const std::lock_guard lock(mutex_);
+  return files_;
+}
+
+void Desk::Remove(std::uint64_t number) {
+  const std::lock_guard lock(mutex_);
+  const auto file = std::ranges::find(files_, number, &BroughtFile::number);
+  if (file == files_.end()) return;
+  std::error_code ignored;
+  fs::remove_all(folder_.path() / "files" / std::to_string(number), ignored);
+  bytes_ -= file->bytes;
+  files_.erase(file);
+}
+
+void Desk::Run(Errands* errands, Helper* helper, std::vector<std::string> words, double most_s,
+               const Said& then) {
+  const bool added = errands->Add([this, helper, words = std::move(words), most_s, then] {
+    then(helper->Run(words, most_s, folder_.path() / "files"));
+  });
+  if (!added) then({.printed = "", .trouble = "too much waits already: try again soon"});
+}
+
+void Desk::Pipelines(std::function<void(const nlohmann::json&, const std::string&)> then) {
+  nlohmann::json known;
+  {
+    const std::lock_guard lock(mutex_);
+    known = pipelines_;
+  }
+  if (!known.is_null()) return then(known, "");
+  Run(&planning_, &plans_, {"pipelines", "--json"}, kMostPlanning_s,
+      [this, then](const Helper::Outcome& said) {
+        const nlohmann::json told = nlohmann::json::parse(said.printed, nullptr, false);
+        if (!told.is_array()) return then(nlohmann::json::array(), said.trouble);
+        {
+          const std::lock_guard lock(mutex_);
+          pipelines_ = told;
+        }
+        then(told, "");
+      });
+}
+
+// "3/hall.h5"; empty: there is no such file.
+std::string Desk::PathOf(std::uint64_t number) {
+  const std::lock_guard lock(mutex_);
+  const auto file = std::ranges::find(files_, number, &BroughtFile::number);
+  return file == files_.end() ? "" : std::to_string(number) + "/" + file->name;
+}
+
+// Each option and its value are one word, so that no value is taken for an option.
+std::vector<std::string> Desk::WordsOf(const JobOrder& order, std::string* trouble) {
+  const std::string path = PathOf(order.file);
+  if (path.empty()) *trouble = "the file is not here any more: bring it again";
+  std::vector<std::string> words = {"--json", "--seed=" + (order.seed.empty() ? "0" : order.seed)};
+  if (!order.name.empty()) words.push_back("--name=" + order.name);
+  for (const auto& [name, number] : order.inputs) {
+    const std::string other = PathOf(number);
+    if (other.empty()) *trouble = "the file for “" + name + "” is not here any more: bring it again";
+    words.push_back("--input=" + name + "=" + other);
+  }
+  for (const auto& [name, value] : order.settings) words.push_back("--set=" + name + "=" + value);
+  if (order.units_are_right) words.emplace_back("--units-are-right");
+  words.insert(words.end(), {"--", order.pipeline, path});
+  return words;
+}
+
+void Desk::Plan(const JobOrder& order, Said then) {
+  std::string trouble;
+  std::vector<std::string> words = WordsOf(order, &trouble);
+  if (!trouble.empty()) return then({.printed = "", .trouble = trouble});
+  words.insert(words.begin(), {"run", "--dry-run"});
+  Run(&planning_, &plans_, std::move(words), kMostPlanning_s, then);
+}
+
+void Desk::Submit(const JobOrder& order, Said then) {
+  std::string trouble;
+  std::vector<std::string> words = WordsOf(order, &trouble);
+  if (!trouble.empty()) return then({.printed = "", .trouble = trouble});
+  words.insert(words.begin(), options_.service.begin(), options_.service.end());
+  if (!order.priority.empty()) words.insert(words.begin(), "--priority=" + order.priority);
+  words.insert(words.begin(), "submit");
+  Run(&submitting_, &submits_, std::move(words), 0, then);
+}
+
+}  // namespace cairn::page
