@@ -171,6 +171,13 @@ void Desk::Remove(std::uint64_t number) {
   files_.erase(file);
 }
 
+std::filesystem::path Desk::WhereIs(const std::string& number) {
+  const std::lock_guard lock(mutex_);
+  for (const BroughtFile& file : files_)
+    if (std::to_string(file.number) == number) return folder_.path() / "files" / number / file.name;
+  return {};
+}
+
 void Desk::Run(Errands* errands, Helper* helper, std::vector<std::string> words, double most_s,
                const Said& then) {
   const bool added = errands->Add([this, helper, words = std::move(words), most_s, then] {

@@ -97,6 +97,8 @@ class Desk {
             std::function<void(std::uint64_t, const std::string&)> then);
   std::vector<BroughtFile> Files();
   void Remove(std::uint64_t number);
+  // The file of that number, as a form says it; empty: there is none.
+  std::filesystem::path WhereIs(const std::string& number);
 
   // What `cairn pipelines --json` says, or why it says nothing.
   void Pipelines(std::function<void(const nlohmann::json&, const std::string& trouble)> then);

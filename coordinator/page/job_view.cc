@@ -147,6 +147,29 @@ std::string ResultHtml(const wire::JobInfo& job, const ResultFiles* results) {
          "\"></a></p>\n<p class=\"links\">" + links + "</p>\n";
 }
 
+// Those that came last are offered; the id of any other may be written.
+std::string CompareHtml(const wire::JobInfo& job, const ViewContext& context) {
+  constexpr std::size_t kMostNamed = 50;
+  if (StagesDone(job) == 0) return "";
+  std::string others, logs;
+  std::size_t named = 0;
+  for (const wire::JobInfo& other : context.facts.list.jobs)
+    if (&other != &job && StagesDone(other) > 0 && ++named <= kMostNamed)
+      others += "<option value=\"" + Text(other.id()) + "\">" + Text(other.name()) + "</option>";
+  if (others.empty()) return "";
+  for (const auto& [number, name] : context.brought)
+    logs += "<option value=\"" + Text(number) + "\">" + Text(name) + "</option>";
+  if (!logs.empty())
+    logs = "<label>By the truth in <select name=\"log\"><option value=\"\">nothing</option>" + logs +
+           "</select></label>\n";
+  return "<form class=\"filter\" method=\"get\" action=\"/compare\">\n<input type=\"hidden\" name=\"one\" "
+         "value=\"" +
+         Text(job.id()) +
+         "\"><label>Compare with <input name=\"other\" list=\"others\" required maxlength=\"300\" "
+         "autocomplete=\"off\" placeholder=\"id of a job\"></label><datalist id=\"others\">" +
+         others + "</datalist>\n" + logs + "<button>Compare</button>\n</form>\n";
+}
+
 std::string FailuresHtml(const wire::JobInfo& job) {
   std::string items;
   for (const std::string& failure : job.failures()) items += "<li>" + Text(failure) + "</li>\n";
@@ -240,6 +263,7 @@ Parts JobParts(const std::string& id, const ViewContext& context) {
           {"stages", StagesHtml(*job, context.history)},
           {"facts", FactsHtml(*job, workers)},
           {"result", ResultHtml(*job, context.results)},
+          {"compare", CompareHtml(*job, context)},
           {"curves", context.history ? ChartsHtml(context.history->rounds()) : ""},
           {"times", running ? TimesHtml(context.facts.times, id) : ""},
           {"failures", FailuresHtml(*job)},

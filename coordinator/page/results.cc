@@ -34,8 +34,8 @@ ResultsCache::~ResultsCache() {
   errands_.Stop();
 }
 
-void ResultsCache::Fetch(const std::string& job, std::uint32_t stages_done, Then then) {
-  const std::string key = KeyOf(job, stages_done);
+// What is kept, or what `make` gives on the errands' thread: once for all who wait for it.
+void ResultsCache::Await(const std::string& key, const Make& make, const Then& then) {
   std::shared_ptr<const FetchedResults> here;
   bool refused = false;
   {
@@ -45,12 +45,23 @@ void ResultsCache::Fetch(const std::string& job, std::uint32_t stages_done, Then
     } else {
       std::vector<Then>& waiting = awaited_[key];
       waiting.push_back(then);
-      refused = waiting.size() == 1 && !errands_.Add([this, key, job] { Do(key, job); });
+      refused = waiting.size() == 1 && !errands_.Add([this, key, make] { Do(key, make); });
       if (refused) awaited_.erase(key);
     }
   }
   if (here) then(*here);
   if (refused) then({.trouble = "Too many results are being fetched: try again soon."});
+}
+
+void ResultsCache::Fetch(const std::string& job, std::uint32_t stages_done, Then then) {
+  Await(KeyOf(job, stages_done), [this, job](const fs::path& folder) { return Bring(job, folder); }, then);
+}
+
+void ResultsCache::Compare(const Compared& what, Then then) {
+  Await(
+      "compare " + KeyOf(what.one, what.one_stages) + " " + KeyOf(what.other, what.other_stages) + " " +
+          what.log.string(),
+      [this, what](const fs::path& folder) { return MakeComparison(what, folder); }, then);
 }
 
 std::shared_ptr<const FetchedResults> ResultsCache::Fetched(const std::string& job,
@@ -60,29 +71,65 @@ std::shared_ptr<const FetchedResults> ResultsCache::Fetched(const std::string& j
   return kept == kept_.end() ? nullptr : kept->second;
 }
 
-void ResultsCache::Do(const std::string& key, const std::string& job) {
-  fs::path folder;
-  {
-    const std::lock_guard lock(mutex_);
-    folder = folder_.path() / std::to_string(++folders_);
-  }
-  const std::string trouble = Run(job, folder);
-  auto fetched = std::make_shared<FetchedResults>(LookInto(folder));
-  // What came although not all did is shown.
-  fetched->whole = trouble.empty();
-  if (fetched->files.stages.empty()) fetched->trouble = trouble.empty() ? "There is no result yet." : trouble;
+void ResultsCache::Do(const std::string& key, const Make& make) {
+  const std::shared_ptr<const FetchedResults> made = Made(key, make);
   std::vector<Then> waiting;
   {
     const std::lock_guard lock(mutex_);
-    std::error_code ignored;
-    if (fetched->whole || !fetched->files.stages.empty())
-      Keep(key, fetched);
-    else
-      fs::remove_all(folder, ignored);
     waiting = std::move(awaited_[key]);
     awaited_.erase(key);
   }
-  for (const Then& then : waiting) then(*fetched);
+  for (const Then& then : waiting) then(*made);
+}
+
+std::shared_ptr<const FetchedResults> ResultsCache::Made(const std::string& key, const Make& make) {
+  fs::path folder;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto kept = kept_.find(key); kept != kept_.end() && kept->second->whole) return kept->second;
+    folder = folder_.path() / std::to_string(++folders_);
+  }
+  const auto made = std::make_shared<const FetchedResults>(make(folder));
+  const std::lock_guard lock(mutex_);
+  std::error_code ignored;
+  if (made->trouble.empty())
+    Keep(key, made);
+  else
+    fs::remove_all(folder, ignored);
+  return made;
+}
+
+// What came although not all did is shown.
+FetchedResults ResultsCache::Bring(const std::string& job, const fs::path& folder) {
+  std::vector<std::string> words = {"results", "--out", folder.string()};
+  words.insert(words.end(), options_.service.begin(), options_.service.end());
+  words.insert(words.end(), {"--", job});
+  const std::string trouble = helper_.Run(words).trouble;
+  FetchedResults fetched = LookInto(folder);
+  fetched.whole = trouble.empty();
+  if (fetched.files.stages.empty())
+    fetched.trouble =
+        trouble.empty() ? "There is no result yet." : "The results could not be fetched: " + trouble;
+  return fetched;
+}
+
+// The page calls them as their folders are called, which are therefore called as the jobs.
+FetchedResults ResultsCache::MakeComparison(const Compared& what, const fs::path& folder) {
+  std::error_code error;
+  fs::create_directory(folder, error);
+  for (const auto& [job, stages] :
+       {std::pair(what.one, what.one_stages), std::pair(what.other, what.other_stages)}) {
+    const auto results =
+        Made(KeyOf(job, stages), [this, job = job](const fs::path& in) { return Bring(job, in); });
+    if (!results->trouble.empty()) return {.folder = folder, .trouble = job + ": " + results->trouble};
+    fs::create_directory_symlink(results->folder, folder / job, error);
+    if (error) return {.folder = folder, .trouble = "These two cannot be laid beside each other here."};
+  }
+  std::vector<std::string> words = {"report", "--out=" + std::string(kComparison), "--beside=" + what.other};
+  if (!what.log.empty()) words.push_back("--log=" + what.log.string());
+  words.insert(words.end(), {"--", what.one});
+  const std::string trouble = helper_.Run(words, 0, folder).trouble;
+  return {.folder = folder, .trouble = trouble.empty() ? "" : "They cannot be compared: " + trouble};
 }
 
 void ResultsCache::Keep(const std::string& key, const std::shared_ptr<const FetchedResults>& fetched) {
@@ -97,15 +144,6 @@ void ResultsCache::Keep(const std::string& key, const std::shared_ptr<const Fetc
     kept_.erase(order_.front());
     order_.pop_front();
   }
-}
-
-// Why it failed; empty: it did not.
-std::string ResultsCache::Run(const std::string& job, const fs::path& folder) {
-  std::vector<std::string> words = {"results", "--out", folder.string()};
-  words.insert(words.end(), options_.service.begin(), options_.service.end());
-  words.insert(words.end(), {"--", job});
-  const std::string trouble = helper_.Run(words).trouble;
-  return trouble.empty() ? "" : "The results could not be fetched: " + trouble;
 }
 
 }  // namespace cairn::page

@@ -35,11 +35,19 @@ class ResultsCache {
   ResultsCache& operator=(const ResultsCache&) = delete;
 
   void Fetch(const std::string& job, std::uint32_t stages_done, Then then);
+  // `folder` holds the page, kComparison.
+  void Compare(const Compared& what, Then then);
   std::shared_ptr<const FetchedResults> Fetched(const std::string& job, std::uint32_t stages_done);
 
  private:
-  std::string Run(const std::string& job, const std::filesystem::path& folder);
-  void Do(const std::string& key, const std::string& job);
+  // In that folder, which goes again where there is trouble.
+  using Make = std::function<FetchedResults(const std::filesystem::path& folder)>;
+
+  void Await(const std::string& key, const Make& make, const Then& then);
+  void Do(const std::string& key, const Make& make);
+  std::shared_ptr<const FetchedResults> Made(const std::string& key, const Make& make);
+  FetchedResults Bring(const std::string& job, const std::filesystem::path& folder);
+  FetchedResults MakeComparison(const Compared& what, const std::filesystem::path& folder);
   void Keep(const std::string& key, const std::shared_ptr<const FetchedResults>& fetched);
 
   ResultsOptions options_;

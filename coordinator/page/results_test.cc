@@ -84,6 +84,32 @@ TEST_F(ResultsTest, OfManyJobsTheLatestAreKept) {
   EXPECT_NE(cache_->Fetched("1-a", 1), nullptr);
 }
 
+TEST_F(ResultsTest, TwoAreLaidBesideEachOtherUnderTheirJobsNames) {
+  const auto compare = [this](const Compared& what) {
+    std::promise<FetchedResults> promise;
+    cache_->Compare(what, [&](const FetchedResults& made) { promise.set_value(made); });
+    return promise.get_future().get();
+  };
+  Make(std::string("case $1 in report) test -e 1-a/a.h5 && test -e 2-b/a.h5 && echo page >comparison.html;; "
+                   "*) ") +
+       kLeavesResults + ";; esac");
+  const FetchedResults made = compare({"1-a", "2-b", 1, 2, "/brought/3/log.h5"});
+  EXPECT_EQ(made.trouble, "");
+  EXPECT_TRUE(fs::exists(made.folder / kComparison));
+  EXPECT_NE(Words().find("report --out=comparison.html --beside=2-b --log=/brought/3/log.h5 -- 1-a\n"),
+            std::string::npos)
+      << Words();
+  EXPECT_EQ(compare({"1-a", "2-b", 1, 2, "/brought/3/log.h5"}).folder, made.folder);
+  EXPECT_EQ(Fetch("1-a").folder, cache_->Fetched("1-a", 1)->folder) << "each was fetched once, and is kept";
+  const std::string words = Words();
+  EXPECT_EQ(std::count(words.begin(), words.end(), '\n'), 3) << words;
+  Make("case $1 in report) echo 'cairn: no result is of the kind' >&2; exit 2;; *) " +
+       std::string(kLeavesResults) + ";; esac");
+  EXPECT_EQ(compare({"1-a", "2-b", 1, 1}).trouble, "They cannot be compared: no result is of the kind");
+  Make("echo 'cairn: there is no job' >&2; exit 2");
+  EXPECT_EQ(compare({"1-a", "2-b", 1, 1}).trouble, "1-a: The results could not be fetched: there is no job");
+}
+
 TEST_F(ResultsTest, TheFolderGoesWithItsProcessAndWithTheNextWhereItWasKilled) {
   Make(kLeavesResults);
   const fs::path old = base_ / "cache" / "killed";

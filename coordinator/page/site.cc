@@ -212,6 +212,7 @@ void Site::AnswerStranger(const HttpRequest& request, const Reply& reply) {
 void Site::AnswerGet(const HttpRequest& request, const Reply& reply) {
   const std::string& path = request.path;
   if (path == "/events") return AnswerEvents(request, reply);
+  if (path == "/compare") return AnswerComparison(request, reply);
   if (path == "/new" || path.starts_with("/new/")) return AnswerStart(request, reply);
   if (path == "/" || path == "/workers") {
     source_->Look("", [self = shared_from_this(), view = ViewOf(path, request), reply] {
@@ -238,6 +239,32 @@ void Site::AnswerJob(const std::string& job, const std::string& what, const Repl
       for (const wire::LogLine& line : history->lines())
         text += line.utc() + "  " + (line.level() == "info" ? "" : line.level() + ": ") + line.text() + "\n";
     reply->Send(WithHeaders({.body = std::move(text)}));
+  });
+}
+
+// By what forms say: ids of jobs on the list, and a file that was brought.
+void Site::AnswerComparison(const HttpRequest& request, const Reply& reply) {
+  source_->Look("", [self = shared_from_this(), request, reply] {
+    const FactsPtr facts = self->source_->Latest();
+    const wire::JobInfo *one = facts->Find(request.Query("one")),
+                        *other = facts->Find(request.Query("other"));
+    const auto refuse = [reply](const std::string& why) {
+      reply->Send(Sentence(404, "Nothing to compare", "<p>" + Text(why) + " <a href=\"/\">All jobs</a></p>"));
+    };
+    if (one == nullptr || other == nullptr)
+      return refuse("There is no job “" + request.Query(one == nullptr ? "one" : "other") + "” any more.");
+    if (one == other) return refuse("Both are the same job.");
+    for (const wire::JobInfo* job : {one, other})
+      if (StagesDone(*job) == 0) return refuse(job->id() + " has no result yet.");
+    Compared what{one->id(), other->id(), StagesDone(*one), StagesDone(*other)};
+    if (const std::string file = request.Query("log"); !file.empty() && self->options_.desk != nullptr) {
+      what.log = self->options_.desk->WhereIs(file);
+      if (what.log.empty()) return refuse("That file is not here any more: bring it again.");
+    }
+    self->source_->Compare(what, [refuse, reply](const FetchedResults& made) {
+      if (!made.trouble.empty()) return refuse(made.trouble);
+      reply->Send(WithHeaders({.type = kHtml, .file = made.folder / kComparison}, kReportPolicy));
+    });
   });
 }
 
@@ -340,11 +367,17 @@ std::shared_ptr<const Parts> Site::PartsFor(const View& view) {
                                          made->second.fetched == (fetched != nullptr))
     return made->second.parts;
   if (made_.size() >= kMostMade) made_.clear();
+  std::vector<std::pair<std::string, std::string>> brought;
+  if (of_job && options_.desk != nullptr)
+    for (const BroughtFile& file : options_.desk->Files())
+      if (file.Kind() == "log" || file.Kind() == "samples")
+        brought.emplace_back(std::to_string(file.number), file.name);
   auto parts = std::make_shared<const Parts>(PartsOf(view, {.facts = *facts,
                                                             .history = history,
                                                             .results = fetched ? &fetched->files : nullptr,
                                                             .may_command = MayCommand(job),
-                                                            .may_start = WhyNoStart().empty()}));
+                                                            .may_start = WhyNoStart().empty(),
+                                                            .brought = std::move(brought)}));
   made_[key] = {facts, history, fetched != nullptr, parts};
   return parts;
 }

@@ -44,6 +44,7 @@ class Site : public std::enable_shared_from_this<Site> {
   void AnswerStranger(const coordinator::HttpRequest& request, const Reply& reply);
   void AnswerGet(const coordinator::HttpRequest& request, const Reply& reply);
   void AnswerJob(const std::string& job, const std::string& what, const Reply& reply);
+  void AnswerComparison(const coordinator::HttpRequest& request, const Reply& reply);
   void AnswerFile(const std::string& job, const std::string& what, const Reply& reply);
   void AnswerPost(const coordinator::HttpRequest& request, const Reply& reply);
   void AnswerStart(const coordinator::HttpRequest& request, const Reply& reply);

@@ -138,6 +138,40 @@ TEST_F(SiteTest, NoPathLeadsToAFileOrAJobThatIsNotOnTheList) {
   for (const std::string& fetched : source_->fetched) EXPECT_EQ(fetched, "1-hall 1");
 }
 
+TEST_F(SiteTest, JobsOnTheListAloneAreCompared) {
+  wire::JobInfo other = Hall("other"), early = Hall("early");
+  other.set_id("2-other");
+  other.set_state("done");
+  early.set_id("3-early");
+  early.set_stage(0);
+  Know({Hall(), other, early});
+  const std::string body = Get("/jobs/1-hall").body;
+  EXPECT_NE(body.find("<option value=\"2-other\">other</option>"), std::string::npos);
+  EXPECT_EQ(body.find("<option value=\"3-early\">"), std::string::npos) << "it has no result";
+  const auto compare = [this](const std::string& one, const std::string& with) {
+    return Ask("GET", "/compare", {{"one", one}, {"other", with}, {"log", "../../etc/passwd"}});
+  };
+  const HttpAnswer page = compare("1-hall", "2-other");
+  EXPECT_EQ(page.file, "/cache/1/comparison.html");
+  EXPECT_TRUE(
+      HeaderOf(page, "Content-Security-Policy").starts_with("sandbox allow-scripts allow-downloads;"));
+  EXPECT_EQ(source_->fetched, std::vector<std::string>{"1-hall 1 beside 2-other 2"});
+  for (const auto& [one, with] :
+       std::vector<std::pair<std::string, std::string>>{{"1-hall", "1-hall"},
+                                                        {"1-hall", "3-early"},
+                                                        {"1-hall", "<script>alert(1)</script>"},
+                                                        {"", ""},
+                                                        {"../1-hall", "2-other"},
+                                                        {"1-hall", "--out=x"}}) {
+    const HttpAnswer refused = compare(one, with);
+    EXPECT_EQ(refused.code, 404u) << with;
+    EXPECT_EQ(refused.body.find("<script>alert"), std::string::npos);
+  }
+  EXPECT_EQ(source_->fetched.size(), 1u);
+  source_->results = {.trouble = "They cannot be compared: <b>"};
+  EXPECT_NE(compare("1-hall", "2-other").body.find("compared: &lt;b&gt;"), std::string::npos);
+}
+
 TEST_F(SiteTest, AHostileNameIsATextEverywhere) {
   const std::string evil = "<script>alert(1)</script>\"'><img src=x onerror=alert(2)>";
   wire::JobInfo job = Hall(evil, "failed");

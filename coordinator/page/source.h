@@ -20,6 +20,15 @@ struct FetchedResults {
   bool whole = true;         // all of them came: else they are fetched anew when somebody looks again
 };
 
+// Two jobs whose results are shown beside each other, as they are with so many stages done; `log`: what they
+// were made of, by whose truth they are scored; empty: they are not.
+struct Compared {
+  std::string one, other;
+  std::uint32_t one_stages = 0, other_stages = 0;
+  std::filesystem::path log = {};
+};
+inline constexpr const char* kComparison = "comparison.html";
+
 // Whether a job did what it was told, and what to say of that.
 struct CommandOutcome {
   bool ok = false;
@@ -41,6 +50,8 @@ class Source {
   // Fetches them where they are not here yet.
   virtual void FetchResults(const std::string& job, std::uint32_t stages_done,
                             std::function<void(const FetchedResults&)> then) = 0;
+  // Fetches both where they are not here yet.
+  virtual void Compare(const Compared& what, std::function<void(const FetchedResults&)> then) = 0;
   // Those that are here; null: none.
   virtual std::shared_ptr<const FetchedResults> Fetched(const std::string& job,
                                                         std::uint32_t stages_done) = 0;

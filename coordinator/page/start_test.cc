@@ -200,6 +200,23 @@ TEST_F(StartTest, NoPathOrNameLeadsElsewhereOrIsRun) {
     EXPECT_NE(HeaderOf(planned, name), "") << name;
 }
 
+TEST_F(StartTest, ResultsAreComparedByTheTruthOfAFileThatWasBrought) {
+  const std::string number = Bring().substr(5);
+  wire::JobInfo other = Hall("other");
+  other.set_id("2-other");
+  Know({Hall(), other});
+  EXPECT_NE(Get("/jobs/1-hall").body.find("<option value=\"" + number + "\">hall.h5</option>"),
+            std::string::npos);
+  Ask("GET", "/compare", {{"one", "1-hall"}, {"other", "2-other"}, {"log", number}});
+  ASSERT_EQ(source_->fetched.size(), 1u);
+  EXPECT_TRUE(source_->fetched[0].starts_with("1-hall 1 beside 2-other 1 with " + script_.base().string()));
+  EXPECT_TRUE(source_->fetched[0].ends_with("/files/" + number + "/hall.h5"));
+  for (const char* none : {"0", "99", "-1", "../1", "1/../1"})
+    EXPECT_EQ(Ask("GET", "/compare", {{"one", "1-hall"}, {"other", "2-other"}, {"log", none}}).code, 404u)
+        << none;
+  EXPECT_EQ(source_->fetched.size(), 1u);
+}
+
 TEST_F(StartTest, AFileThatIsGoneIsSaid) {
   const std::string file = Bring();
   EXPECT_EQ(HeaderOf(Send(file + "/remove", ""), "Location"), "/new");

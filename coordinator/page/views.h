@@ -37,7 +37,8 @@ struct ViewContext {
   HistoryPtr history = nullptr;          // of the job
   const ResultFiles* results = nullptr;  // null: not fetched yet
   bool may_command = true;
-  bool may_start = false;  // jobs
+  bool may_start = false;                                         // jobs
+  std::vector<std::pair<std::string, std::string>> brought = {};  // logs and samples: number and name
 };
 
 inline constexpr std::uint64_t kJobsOnAPage = 50;

@@ -43,6 +43,9 @@ class Watcher : public Source {
                     std::function<void(const FetchedResults&)> then) override {
     results_.Fetch(job, stages_done, std::move(then));
   }
+  void Compare(const Compared& what, std::function<void(const FetchedResults&)> then) override {
+    results_.Compare(what, std::move(then));
+  }
   std::shared_ptr<const FetchedResults> Fetched(const std::string& job, std::uint32_t stages_done) override {
     return results_.Fetched(job, stages_done);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "datasets/common/array_text.h"
 #include "datasets/report/drawing/format.h"
 #include "datasets/report/pages/facts.h"
 #include "datasets/report/pages/parts.h"
@@ -75,6 +76,32 @@ Table DifferentLines(const Blob& a, const Blob& b, const Table::value_type& head
   return rows;
 }
 
+// Who computed each, and when: of what differs.
+Table DifferentOrigins(const Blob& a, const Blob& b, const Table::value_type& head) {
+  const auto said = [](const Blob& result) {
+    const kinds::Provenance of = kinds::Provenance::In(result);
+    const auto text = [](const Texts& texts) { return texts ? texts.Scalar() : std::string(); };
+    const auto number = [](const auto& column, const char* unit) {
+      return column ? cairn::datasets::ShortNumber(static_cast<double>(column.Scalar())) + unit
+                    : std::string();
+    };
+    std::string hosts;
+    for (const std::string& host : of.hosts.OrNone()) hosts += (hosts.empty() ? "" : ", ") + host;
+    return Table{{"version", text(of.version)},
+                 {"build", text(of.build)},
+                 {"finished", text(of.finished_utc)},
+                 {"took", number(of.seconds_s, " s")},
+                 {"workers", number(of.workers, "")},
+                 {"hosts", hosts},
+                 {"attempts that failed", number(of.retries, "")}};
+  };
+  Table rows{{"", head[0], head[1]}};
+  const Table of_a = said(a), of_b = said(b);
+  for (std::size_t i = 0; i < of_a.size(); ++i)
+    if (of_a[i][1] != of_b[i][1]) rows.push_back({of_a[i][0], of_a[i][1], of_b[i][1]});
+  return rows;
+}
+
 std::string PairHtml(const ReportedPair& pair, const std::string& a, const std::string& b) {
   if (KindOf(*pair.a.result) != KindOf(*pair.b.result))
     throw InputError("'" + pair.a.name + "' is " + WithArticle(KindOf(*pair.a.result)) + " and '" +
@@ -95,6 +122,8 @@ std::string PairHtml(const ReportedPair& pair, const std::string& a, const std::
   std::string html = SectionHtml(
       "Scores", compared(scores) + (same > 0 ? "<p>" + Count(same, "score") + " the same.</p>\n" : ""));
   html += SectionHtml("Jobs", lines.size() > 1 ? compared(lines) : "<p>The jobs say the same.</p>\n");
+  html +=
+      SectionHtml("Where they come from", compared(DifferentOrigins(*pair.a.result, *pair.b.result, {a, b})));
   html += "<div class=\"beside\">\n";
   for (const auto& [stage, name] : {std::pair(&pair.a, &a), std::pair(&pair.b, &b)})
     html += "<article>\n<h1 class=\"stage\">" + Escape(*name) + " <small>" + Escape(KindOf(*stage->result)) +

@@ -165,6 +165,7 @@ TEST_F(ReportOfALoop, HasEachPictureOfCellsOnce) {
 
 TEST_F(ReportOfALoop, StandsBesideAnother) {
   Blob moved = result_;
+  moved.Put("provenance/version", Array::Text("9.8.7"));
   moved.Put("provenance/job_yaml", Array::Text("name: a <b> & \"c\"\nseed: 2\n"));
   const ReportedStage a{.name = "map", .result = &result_, .source = &log_, .evaluated = evaluation_},
       b{.name = "map", .result = &moved, .source = &log_, .evaluated = evaluation_};
@@ -173,6 +174,7 @@ TEST_F(ReportOfALoop, StandsBesideAnother) {
   ExpectContains(html, "<th>one/&lt;1&gt;</th><th>two</th>");
   ExpectContains(html, "scores the same.");
   ExpectContains(html, "<td>seed: 2</td>");
+  ExpectContains(html, "<td>9.8.7</td>");
   EXPECT_EQ(CountIn(html, "name: a &lt;b&gt;"), 0U) << "what the jobs have in common";
   EXPECT_EQ(CountIn(html, "data-panel=\""), 2U);
   Blob grid;

@@ -221,6 +221,34 @@ def start_a_job(walk):
     cairn('delete', job)
 
 
+def compare(walk, job):
+    """Two results, by the truth of a log that one brings: what differs, side by side and one over the other."""
+    browser = walk.browser
+    other = submit('landmark_map', 'log.h5', '--seed', '8', '--set', 'starts=1', '--set', 'refine=false', '--name', EVIL)
+    choose_file(walk, 'log.h5')
+    walk.until_says('What to make of it')
+    walk.go('/jobs/' + other)
+    walk.until_says('done', '.title')
+    walk.go('/jobs/' + job)
+    browser.until(lambda: browser.has(f'#others option[value="{other}"]'), 'the other job')
+    browser.find('[name=other]').type(other)
+    browser.run('document.querySelector("[name=log]").selectedIndex = 1')
+    browser.until(lambda: browser.run('return document.querySelector("[name=other]").value') == other, 'what was typed')
+    browser.run('document.querySelector("[name=other]").form.requestSubmit()')
+    browser.until(lambda: browser.has('.compared'), 'a comparison')
+    assert browser.run('return origin') == 'null', 'a comparison is of the page\'s own origin'
+    text = browser.text()
+    assert job in text and other in text and 'refine: false' in text, text
+    assert 'trajectory' in text.lower() and 'difference' in text.lower(), text
+    assert 'Where they come from' in text, text
+    assert browser.run('return document.querySelectorAll(".beside .viewer").length') >= 2, 'no maps side by side'
+    browser.run('''const over = [...document.querySelectorAll('input[type=range]')].find((e) => e.ariaLabel === "The other over it");
+                   over.value = 50; over.dispatchEvent(new Event("input"));''')
+    walk.until_says('dashed and as squares')
+    walk.check('compared')
+    cairn('delete', other)
+
+
 def another_deletes(walk):
     job = submit('landmark_map', 'log.h5', '--seed', '2')
     walk.go('/jobs/' + job)
@@ -391,6 +419,7 @@ def main():
         fail_retry_delete(walk)
         another_deletes(walk)
         start_a_job(walk)
+        compare(walk, job)
         coordinator = killed(walk, coordinator, job)
         find_by_keyboard(walk, job)
         without_script(walk)

@@ -118,6 +118,19 @@ def main():
     before = [browser.run(LOOK, map) for map in (0, 1)]
     browser.run(PRESS, 1, ['+'])
     assert not any(same(browser.run(LOOK, map), before[map]) for map in (0, 1)), 'the maps are not looked at together'
+    # One over the other: each shows its own, both, and the other alone, which is what it is in its own place.
+    browser.run('document.querySelectorAll(".beside .viewer-tools button[aria-label=\\"Show all\\"]")[0].click()')
+    over = browser.run('return [...document.querySelectorAll(".viewer-time input")].findIndex((e) => '
+                       'e.ariaLabel === "The other over it")')
+    own, other = browser.run(LOOK, 0), browser.run(LOOK, 1)
+    assert '50%' in browser.run(MOVE, over, 50), 'how much shows is not said'
+    both = browser.run(LOOK, 0)
+    assert not same(both, own) and not same(both, other), 'the other is not laid over it'
+    assert browser.run(MOVE, over, 0) == 'alone'
+    assert not same(browser.run(LOOK, 0), both), 'it does not fade'
+    assert browser.run(MOVE, over, 100) == 'not shown'
+    assert same(browser.run(LOOK, 0), own), 'it does not go'
+    assert same(browser.run(LOOK, 1), other), 'the other one is not as it was'
     # LOOK reads pixels, which the page does not do while it draws.
     errors = [line for line in browser.errors() if 'willReadFrequently' not in line]
     assert not errors, errors

@@ -33,6 +33,12 @@ class FakeSource : public Source {
     fetched.push_back(job + " " + std::to_string(stages));
     then(results);
   }
+  void Compare(const Compared& what, std::function<void(const FetchedResults&)> then) override {
+    fetched.push_back(what.one + " " + std::to_string(what.one_stages) + " beside " + what.other + " " +
+                      std::to_string(what.other_stages) +
+                      (what.log.empty() ? "" : " with " + what.log.string()));
+    then(results);
+  }
   std::shared_ptr<const FetchedResults> Fetched(const std::string&, std::uint32_t) override {
     return nullptr;
   }

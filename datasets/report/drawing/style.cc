@@ -222,13 +222,16 @@ button { font:13px/1 inherit; color:var(--ink); background:var(--paper); border:
 .viewer-place:empty { display:none; }
 .viewer-layers { display:flex; flex-wrap:wrap; gap:2px 18px; list-style:none; margin:0 0 8px; padding:0; font-size:13.5px; }
 .viewer-layers label, .viewer-time { display:flex; align-items:center; gap:6px; }
-.viewer-time { font-size:13.5px; margin:8px 0 0; gap:12px; } .viewer-time input { flex:1; min-width:0; }
+.viewer-time { font-size:13.5px; margin:8px 0 0; gap:2px 12px; flex-wrap:wrap; }
+.viewer-time input { flex:1 1 16ch; min-width:0; }
 .viewer-time span { min-width:8ch; }
 .viewer-time output { min-width:21ch; text-align:right; font-variant-numeric:tabular-nums; } input { accent-color:var(--accent); }
 .beside { display:grid; grid-template-columns:minmax(0,1fr) minmax(0,1fr); gap:0 28px; } main:has(.beside) { max-width:1760px; }
 .compared td { white-space:normal; text-align:left; vertical-align:top; } .compared th { text-align:left; }
 .beside .wide { display:none; } .beside .narrow { display:block; }
 .save { display:flex; gap:6px; margin:6px 0 0; } .save button { font-size:12px; padding:4px 8px; color:var(--soft); }
+@media screen and (max-width:700px) { .beside { grid-template-columns:minmax(0,1fr); }
+.viewer-time output { min-width:0; } }
 @media screen { .has-viewer > .wide, .has-viewer > .narrow { display:none; } }
 @media print { .viewer, .save { display:none; } }
 )css";

@@ -15,6 +15,8 @@ class MapViewer {
     this.names = {name: "names", shown: true, shapes: []};
     this.looks = new Map();
     this.until = null;  // seconds: only what was until then
+    this.strength = 1;  // how much of it shows
+    this.over = 0;  // how much of the map beside it shows over it, and as much less of this one beyond the half
     this.build();
     this.reset();
     for (const shape of this.layers.flatMap((layer) => layer.shapes))
@@ -202,10 +204,30 @@ class MapViewer {
     });
   }
 
-  // Two maps beside each other are looked at together.
+  // Two maps beside each other are looked at together; each can be laid over the other.
   link(other) {
     this.linked = other;
     other.linked = this;
+    for (const [below, above] of [[this, other], [other, this]])
+      below.root.append(below.slider("The other over it", 100, (value) => {
+        below.over = (100 - value) / 100;
+        below.draw();
+        return value === 100 ? "not shown" : value === 0 ? "alone" : `${100 - value}%, dashed and as squares`;
+      }));
+  }
+  // The other as it lies here: at this one's place and scale.
+  ghost() {
+    const ghost = Object.create(this.linked), middle = this.toMetres({x: this.size.width / 2, y: this.size.height / 2});
+    const there = ghost.toUnits(middle.x, middle.y);
+    ghost.canvas = this.canvas;
+    ghost.scale = this.scale / this.metres.perUnit * ghost.metres.perUnit;
+    ghost.x = there.x - this.size.width / 2 / ghost.scale;
+    ghost.y = there.y - this.size.height / 2 / ghost.scale;
+    ghost.until = this.until;
+    ghost.strength = Math.min(1, 2 * this.over);
+    ghost.share = this.over;
+    ghost.isGhost = true;
+    return ghost;
   }
   lead() {
     if (!this.linked?.scale) return;
@@ -237,15 +259,22 @@ class MapViewer {
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, width, height);
     const lines = this.paintGrid(context, width, height);
-    for (const layer of this.layers) {
-      if (!layer.shown) continue;
-      for (const shape of this.shapesOf(layer)) this.paintShape(context, shape, ratio);
-    }
+    this.strength = Math.min(1, 2 - 2 * this.over);
+    this.paintLayers(context, ratio);
+    if (this.over > 0) this.ghost().paintLayers(context, ratio);
+    context.globalAlpha = 1;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     if (this.names.shown) this.paintNames(context, width, height);
     for (const {at, value} of lines) this.haloed(context, `${value} m`, at.x, at.y);
     if (this.until !== null) this.paintRobots(context);
     this.paintScale(context, width, height);
+  }
+
+  paintLayers(context, ratio) {
+    for (const layer of this.layers) {
+      if (!layer.shown || !this.strength) continue;
+      for (const shape of this.shapesOf(layer)) this.paintShape(context, shape, ratio);
+    }
   }
 
   inWorld(context, ratio) {
@@ -257,6 +286,7 @@ class MapViewer {
     if (shape.image) {
       this.inWorld(context, ratio);
       context.imageSmoothingEnabled = false;
+      context.globalAlpha = this.isGhost ? this.share : this.strength;  // one that covers all hides what is below
       if (shape.image.complete) context.drawImage(shape.image, shape.x, shape.y, shape.width, shape.height);
       return;
     }
@@ -267,14 +297,15 @@ class MapViewer {
       if (at.x < -20 || at.y < -20 || at.x > this.size.width + 20 || at.y > this.size.height + 20) return;
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       path = new Path2D();
-      path.arc(at.x, at.y, shape.r, 0, 7);
+      if (this.isGhost) path.rect(at.x - shape.r, at.y - shape.r, 2 * shape.r, 2 * shape.r);
+      else path.arc(at.x, at.y, shape.r, 0, 7);
       scale = 1;
     } else {
       this.inWorld(context, ratio);
       if (this.until !== null && shape.times && /^path /.test(shape.classes)) path = this.faintThenPart(context, shape, looks);
     }
     if (looks.fill !== "none" && shape.tag !== "line") {
-      context.globalAlpha = looks.fillOpacity;
+      context.globalAlpha = looks.fillOpacity * this.strength;
       context.fillStyle = looks.fill;
       context.fill(path);
     }
@@ -282,11 +313,11 @@ class MapViewer {
     context.globalAlpha = 1;
   }
   stroke(context, path, looks, scale, opacity) {
-    context.globalAlpha = opacity;
+    context.globalAlpha = opacity * this.strength;
     context.strokeStyle = looks.stroke;
     context.lineWidth = looks.width / scale;
     context.lineJoin = context.lineCap = "round";
-    context.setLineDash(looks.dash.map((length) => length / scale));
+    context.setLineDash((this.isGhost ? [7, 5] : looks.dash).map((length) => length / scale));
     context.stroke(path);
     context.setLineDash([]);
   }
