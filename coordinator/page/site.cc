@@ -18,6 +18,8 @@ using coordinator::HttpRequest;
 
 constexpr double kSignOfLife_s = 10;
 constexpr std::size_t kMostMade = 256;
+constexpr long kMostOfASession = 64;  // streams
+
 // In place of a picture that there is not.
 HttpAnswer SentenceAsPicture(const std::string& text) {
   return WithHeaders(
@@ -74,7 +76,8 @@ HttpAnswer Welcome(const std::string& cookie) {
 // Sends of a page what has changed since it was sent.
 class PartsStream : public coordinator::HttpStream {
  public:
-  PartsStream(std::shared_ptr<Site> site, View view) : site_(std::move(site)), view_(std::move(view)) {}
+  PartsStream(std::shared_ptr<Site> site, View view, std::shared_ptr<int> seat)
+      : site_(std::move(site)), view_(std::move(view)), seat_(std::move(seat)) {}
 
   std::string Next() override {
     if (over_) return "";
@@ -109,6 +112,7 @@ class PartsStream : public coordinator::HttpStream {
  private:
   std::shared_ptr<Site> site_;
   View view_;
+  std::shared_ptr<int> seat_;  // held while it lasts
   std::map<std::string, std::size_t> sent_;
   nlohmann::json order_;
   double said_s_ = 0;
@@ -331,10 +335,17 @@ void Site::AnswerPost(const HttpRequest& request, const Reply& reply) {
   });
 }
 
+// One who opens masses of pages leaves room for others.
 void Site::AnswerEvents(const HttpRequest& request, const Reply& reply) {
-  reply->Send(WithHeaders(
-      {.type = "text/event-stream",
-       .stream = std::make_shared<PartsStream>(shared_from_this(), ViewOf(request.Query("for"), request))}));
+  std::weak_ptr<int>& of_session = seats_[entrance_.FormToken(request)];
+  std::shared_ptr<int> seat = of_session.lock();
+  if (!seat) of_session = seat = std::make_shared<int>();
+  if (seat.use_count() > kMostOfASession)
+    return reply->Send(Sentence(503, "Not live", "<p>Many pages are open.</p>"));
+  reply->Send(WithHeaders({.type = "text/event-stream",
+                           .stream = std::make_shared<PartsStream>(
+                               shared_from_this(), ViewOf(request.Query("for"), request), std::move(seat))}));
+  std::erase_if(seats_, [](const auto& of) { return of.second.expired(); });
 }
 
 bool Site::MayCommand(const wire::JobInfo* job) const {

@@ -61,6 +61,8 @@ class Site : public std::enable_shared_from_this<Site> {
   std::shared_ptr<Source> source_;
   std::function<double()> now_s_;
   std::shared_ptr<StartPages> start_;  // null: none is started from here
+  // Of the thread of the server: what the streams of a session hold, by its token.
+  std::map<std::string, std::weak_ptr<int>> seats_;
 
   struct Made {
     FactsPtr of;

@@ -107,7 +107,9 @@ TEST_F(SiteTest, CommandsReachTheJobAndTheAnswerIsASentence) {
 TEST_F(SiteTest, WhereItOnlyShowsNothingIsCommanded) {
   Make({.read_only = true});
   EXPECT_EQ(Get("/jobs/1-hall").body.find("data-action"), std::string::npos);
-  EXPECT_EQ(Post("/jobs/1-hall/pause")["ok"], false);
+  for (const char* action : {"pause", "resume", "cancel", "retry", "delete", "priority"})
+    EXPECT_EQ(Post("/jobs/1-hall/" + std::string(action), "priority=1")["ok"], false)
+        << "guessed: " << action;
   EXPECT_TRUE(source_->commands.empty());
 }
 
@@ -244,6 +246,20 @@ TEST_F(SiteTest, AStreamSendsWhatHasChangedAlone) {
   now_s_ += 11;
   EXPECT_EQ(stream->Next(), ": still here\n\n");
   EXPECT_EQ(source_->looks.back(), "1-hall") << "it is looked at as long as the stream lasts";
+}
+
+TEST_F(SiteTest, OneWhoLooksOnTakesNotAllPlaces) {
+  std::vector<std::shared_ptr<coordinator::HttpStream>> streams;
+  for (int i = 0; i < 64; ++i) streams.push_back(Ask("GET", "/events", {{"for", "/"}}).stream);
+  EXPECT_TRUE(streams.back());
+  EXPECT_EQ(Ask("GET", "/events", {{"for", "/"}}).code, 503u);
+  const std::string first = std::exchange(cookie_, "");
+  const HttpAnswer welcome = Ask("GET", "/", {{"token", link_.substr(link_.find('=') + 1)}});
+  cookie_ = HeaderOf(welcome, "Set-Cookie").substr(0, HeaderOf(welcome, "Set-Cookie").find(';'));
+  EXPECT_TRUE(Ask("GET", "/events", {{"for", "/"}}).stream) << "another's places are his own";
+  cookie_ = first;
+  streams.pop_back();
+  EXPECT_TRUE(Ask("GET", "/events", {{"for", "/"}}).stream) << "one is free again";
 }
 
 TEST_F(SiteTest, ForFiftyWhoLookOnAPageIsMadeOnce) {

@@ -24,6 +24,10 @@ def main():
             os.kill(pid, signal.SIGSTOP)
         browser.open(link)
         browser.until(lambda: browser.has('#parts a[href="/jobs/run"]'), 'the run')
+        for action in ('cancel', 'pause', 'delete'):  # nobody ends it who guesses where that would be
+            said = browser.run('const x = new XMLHttpRequest(); x.open("POST", "/jobs/run/" + arguments[0], false); '
+                               'x.setRequestHeader("X-Cairn", "page"); x.send(); return x.responseText;', action)
+            assert 'commands none' in said, said
         for pid in workers:
             os.kill(pid, signal.SIGCONT)
         browser.find('#parts a[href="/jobs/run"]').click()

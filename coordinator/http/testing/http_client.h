@@ -56,8 +56,11 @@ class HttpClient {
   // Not recv: that of schema/wire, which takes this for a handshake of ZeroMQ's.
   bool Hear(std::string* all) const {
     std::array<char, 65536> bytes{};
-    errno = 0;
-    const ssize_t size = ::read(socket_, bytes.data(), bytes.size());
+    ssize_t size = 0;
+    do {
+      errno = 0;
+      size = ::read(socket_, bytes.data(), bytes.size());
+    } while (size < 0 && errno == EINTR);  // by the end of a process that the server started
     if (size > 0) all->append(bytes.data(), static_cast<std::size_t>(size));
     return size > 0;
   }
