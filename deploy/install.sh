@@ -2,7 +2,7 @@
 # Installs the Debian packages that Cairn is built from; nothing where they are all there.
 #
 #   deploy/install.sh          what the build and the release tests need
-#   deploy/install.sh --dev    also what ./deploy/test.sh --all needs: clang-format, clang-tidy, h5py, OctoMap
+#   deploy/install.sh --dev    also what ./deploy/test.sh --all needs: clang-format, clang-tidy, h5py, OctoMap, mypy
 #   deploy/install.sh --arm64  also what ./deploy/arm64.sh needs: a cross compiler, qemu-user
 #   deploy/install.sh --cluster  also what the tests of ssh, Slurm and Kubernetes need, daemons among it: sshd, munged, slurmctld, slurmd
 #   deploy/install.sh --browser  also what the test of the pages needs: Chromium and its driver (132 MB to fetch), nginx
@@ -25,7 +25,8 @@ build_packages=(
 )
 arm64_packages=(g++-aarch64-linux-gnu qemu-user)
 dev_packages=(
-  clang-19 clang-format-19 clang-tidy-19 ccache git python3 python3-h5py
+  clang-19 clang-format-19 clang-tidy-19 ccache git
+  python3 python3-h5py python3-matplotlib python3-xxhash mypy # EndToEnd.python
   liboctomap-dev python3-yaml python3-pil # read back what is exported
   python3-rosbag python3-nav-msgs python3-sensor-msgs # EndToEnd.bag: write what is imported
   iproute2 nftables # tests/faults: networks that fail

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes Cairn's Debian packages from the release build: cairn has programs, manual pages, completion for bash and zsh, services
-# of systemd; cairn-images has what decodes images, with most of all libraries. Prints where they are, a line each.
+# of systemd, the Python package cairn; cairn-images has what decodes images, with most of all libraries. Prints where they are, a line each.
 #
 #   deploy/package.sh              builds what is missing, makes the packages
 #   deploy/package.sh --tree DIR   of what is built in DIR, whole or in part: builds nothing
@@ -124,6 +124,7 @@ documents() {
   install -d "$doc/docs" "$doc/kubernetes"
   install -m 644 README.md CITATION.cff "$doc"
   install -m 644 docs/*.md "$doc/docs"
+  install -D -m 644 -t "$doc/docs/examples" docs/examples/*.ipynb
   install -D -m 644 -t "$doc/deploy/monitoring" deploy/monitoring/{rules.yml,dashboard.json}
   cp -r --no-preserve=mode deploy/kubernetes/* "$doc/kubernetes"
 }
@@ -134,6 +135,10 @@ split_images() {
   mv "$stage/usr/bin/cairn-images" "$images/usr/bin"
   mv "$share/man/man1/cairn-images.1.gz" "$images/usr/share/man/man1"
   papers "$images" cairn-images
+}
+
+python_package() {
+  install -D -m 644 -t "$stage/usr/lib/python3/dist-packages/cairn" deploy/python/cairn/*.py deploy/python/cairn/py.typed
 }
 
 services() {
@@ -153,6 +158,7 @@ make_packages() {
   DESTDIR=$stage cmake --install "$tree" --prefix /usr --strip >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "not built"; }
   pages_and_completion
   documents
+  python_package
   services
   split_images
   mkdir -p "$out"

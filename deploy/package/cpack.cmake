@@ -27,8 +27,9 @@ into tasks that run on one machine or on many and give the same bits on either.
 .
 It takes poor sensors: odometry of any quality, landmarks that all look alike,
 sonars, lasers. The package holds the command cairn, the worker that computes,
-and services of systemd for both, which nothing starts by itself.")
-  set(CPACK_DEBIAN_PACKAGE_SUGGESTS cairn-images)
+services of systemd for both, which nothing starts by itself, and the Python
+package cairn, which needs python3-h5py.")
+  set(CPACK_DEBIAN_PACKAGE_SUGGESTS "cairn-images, python3-h5py, python3-matplotlib")
   foreach(file IN ITEMS conffiles postinst prerm postrm)
     list(APPEND CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/debian/${file})
   endforeach()

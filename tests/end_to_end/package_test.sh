@@ -23,7 +23,7 @@ field Maintainer '^[^<>]+ <[^ ]+@[^ ]+>$'
 for library in libc6 libhdf5 libzmq5 libprotobuf libopencv-core adduser; do field Depends "(^|, )$library"; done
 # What decodes images is apart, for it needs most of all libraries.
 ! dpkg-deb -f "$package" Depends | grep -q imgcodecs || die "cairn depends on what only images need"
-field Suggests '^cairn-images$'
+field Suggests '^cairn-images, python3-h5py, python3-matplotlib$'
 [[ $(dpkg-deb -f "$images" Depends) =~ libopencv-imgcodecs ]] || die "cairn-images does without its libraries"
 [[ $(dpkg-deb -f "$images" Depends) = *"cairn (= $(dpkg-deb -f "$package" Version))"* ]] || die "cairn-images takes any cairn"
 [ "$(cd images && find usr/bin usr/share/man -type f | sort | xargs)" = 'usr/bin/cairn-images usr/share/man/man1/cairn-images.1.gz' ] ||
@@ -37,6 +37,8 @@ for file in {root,images}/usr/bin/*; do ! grep -q RUNPATH <(readelf -d "$file") 
 for file in README.md copyright changelog.gz changelog.Debian.gz docs/fleet.md docs/my-own-log.md; do
   [ -s "$share/doc/cairn/$file" ] || die "it has no $file"
 done
+# The Python package is the sources', but for its tests.
+diff -r -x __pycache__ root/usr/lib/python3/dist-packages/cairn "$CAIRN_SOURCE/deploy/python/cairn" || die "another Python package"
 diff <(sort root/DEBIAN/conffiles) <(cd root && find etc -type f | sed 's|^|/|' | sort) ||
   die "not all settings are conffiles, or others are"
 ! grep -qvE '^(#|$)' root/etc/cairn/* || die "a setting is set"

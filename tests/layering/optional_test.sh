@@ -75,7 +75,7 @@ mkdir -p "$scratch/path" "$scratch/modules"
 find /usr/sbin /usr/bin /sbin /bin -mindepth 1 -maxdepth 1 \( -type f -o -type l \) -print0 2>/dev/null |
   xargs -0 -r ln -sf -t "$scratch/path"
 for program in "${programs[@]}"; do rm -f "$scratch/path/$program"; done
-for module in h5py numpy yaml PIL rosbag; do echo 'raise ImportError("hidden")' >"$scratch/modules/$module.py"; done
+for module in h5py numpy matplotlib yaml PIL rosbag; do echo 'raise ImportError("hidden")' >"$scratch/modules/$module.py"; done
 export PYTHONPATH=$scratch/modules PYTHONDONTWRITEBYTECODE=1 CAIRN_BIN=$CAIRN_BUILD/bin
 for test in "${tests[@]}"; do
   # A test that needs them as a whole says when it skips; one that has more to look at where they are goes on without.

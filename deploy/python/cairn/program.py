@@ -1,0 +1,162 @@
+"""The program `cairn`, by its --json."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Union
+
+from .errors import CairnError, InputError
+from .files import File, read
+
+PathLike = Union[str, "os.PathLike[str]"]
+_BAD_INPUT = 2  # an exit code
+
+
+def command(*words: PathLike) -> Any:
+    """What `cairn WORDS… --json` says, from JSON: command("export", "tum", "map", "exported").
+
+    What it warns of becomes Python's warnings. An interrupt (Ctrl-C) is passed on, and waits until the program has saved
+    what it had.
+    Raises InputError where the program ends with exit code 2, CairnError with any other; the message is the program's.
+    """
+    program = shutil.which("cairn")
+    if program is None:
+        raise CairnError("there is no program 'cairn' on the path: install Cairn, or add its folder to PATH")
+    line = [program, *(os.fspath(word) for word in words), "--json"]
+    with subprocess.Popen(line, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        try:
+            said, complained = process.communicate()
+        except KeyboardInterrupt:
+            process.send_signal(signal.SIGINT)
+            process.communicate()
+            raise
+    failure = f"{' '.join(line)}: ended with {process.returncode}"
+    for complaint in complained.decode(errors="replace").splitlines():
+        head, _, tail = complaint.partition(": ")
+        if head == "note" or (head == "cairn" and tail.startswith("warning: ")):
+            warnings.warn(tail.removeprefix("warning: "), stacklevel=2)
+        elif head == "cairn":
+            failure = tail
+    if process.returncode == 0:
+        return json.loads(said)
+    raise (InputError if process.returncode == _BAD_INPUT else CairnError)(failure, process.returncode)
+
+
+def _option(name: str, value: Any) -> list[str]:
+    """["--name", "value"]; [] where it is None or False, as that is not said."""
+    if value is None or value is False:
+        return []
+    name = "--" + name.replace("_", "-")
+    return [name] if value is True else [name, _text(value)]
+
+
+def _text(value: Any) -> str:
+    """As the command line takes it: true, 0.25, 0.1,0.2, a path."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, (list, tuple)):
+        return ",".join(_text(part) for part in value)
+    return str(value)
+
+
+def _job(
+    what: PathLike,
+    file: PathLike | None,
+    options: Mapping[str, Any] | None,
+    inputs: Mapping[str, PathLike] | None,
+    seed: int | None,
+    units_are_right: bool,
+) -> list[str]:
+    words = [os.fspath(what), *([] if file is None else [os.fspath(file)])]
+    for name, value in (options or {}).items():
+        words += ["--set", f"{name}={_text(value)}"]
+    for name, path in (inputs or {}).items():
+        words += ["--input", f"{name}={os.fspath(path)}"]
+    return words + _option("seed", seed) + _option("units-are-right", units_are_right)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A job that was run: `summary` is what `cairn run --json` says, `results` the file of each stage, by its name."""
+
+    summary: dict[str, Any]
+
+    @property
+    def results(self) -> dict[str, Path]:
+        return {stage["stage"]: Path(stage["result"]) for stage in self.summary["stages"]}
+
+    @property
+    def report(self) -> Path | None:
+        """The page, with pictures."""
+        return Path(self.summary["report"]) if self.summary["report"] else None
+
+    def read(self, stage: str | None = None) -> File:
+        """The result of a stage, without a name that of the last one."""
+        results = self.results
+        if stage is not None and stage not in results:
+            raise KeyError(f"there is no stage '{stage}', only {', '.join(results)}")
+        return read(results[stage] if stage is not None else list(results.values())[-1])
+
+
+def run(
+    what: PathLike,
+    file: PathLike | None = None,
+    *,
+    out: PathLike | None = None,
+    options: Mapping[str, Any] | None = None,
+    inputs: Mapping[str, PathLike] | None = None,
+    seed: int | None = None,
+    workers: int | None = None,
+    force: bool = False,
+    units_are_right: bool = False,
+) -> Run:
+    """Runs a job here, until it is done: `cairn run`. The same call again resumes it, or finds it finished.
+
+    what: a job file, or the name of a pipeline, which reads `file`; its options and further inputs are by name.
+    out: the folder of the results, else the job's name. force: forget what an earlier run left there.
+    """
+    words = _job(what, file, options, inputs, seed, units_are_right)
+    return Run(command("run", *words, *_option("out", out), *_option("workers", workers), *_option("force", force)))
+
+
+def submit(
+    what: PathLike,
+    file: PathLike | None = None,
+    *,
+    options: Mapping[str, Any] | None = None,
+    inputs: Mapping[str, PathLike] | None = None,
+    seed: int | None = None,
+    priority: int | None = None,
+    connect: str | None = None,
+    key: PathLike | None = None,
+    server_key: PathLike | None = None,
+    units_are_right: bool = False,
+) -> dict[str, Any]:
+    """Hands a job and its inputs to a coordinator, `connect` or the usual one: `cairn submit`.
+
+    The dict is what `cairn status JOB --json` says, its `id` the JOB of other commands. Who submits the same again is told of
+    the job that is there.
+    """
+    words = _job(what, file, options, inputs, seed, units_are_right)
+    for name, value in {"priority": priority, "connect": connect, "key": key, "server_key": server_key}.items():
+        words += _option(name, value)
+    job: dict[str, Any] = command("submit", *words)
+    return job
+
+
+def evaluate(result: PathLike, truth: PathLike | None = None, **options: Any) -> dict[str, Any]:
+    """Scores a result against what it is known to be: `cairn evaluate RESULT --truth TRUTH`.
+
+    options: those of the command, `nearest=3` as `--nearest 3`, `changed=True` as `--changed`.
+    """
+    words = [word for name, value in {"truth": truth, **options}.items() for word in _option(name, value)]
+    scores: dict[str, Any] = command("evaluate", result, *words)
+    return scores

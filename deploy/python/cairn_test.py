@@ -1,0 +1,253 @@
+"""The package against a simulated log and Cairn's program: python3 -m unittest cairn_test, with `cairn` on the PATH."""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+import warnings
+from pathlib import Path
+from unittest import mock
+
+import cairn
+import h5py
+import numpy as np
+from cairn.checksum import xxh3_128
+
+try:
+    import matplotlib
+except ImportError:
+    matplotlib = None
+try:
+    import xxhash
+except ImportError:
+    xxhash = None
+
+
+class PackageTest(unittest.TestCase):
+    """In a folder with a log of two robots and a map of it."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.before = os.getcwd()
+        cls.folder = tempfile.TemporaryDirectory()
+        os.chdir(cls.folder.name)
+        cairn.command("simulate", "loop", "--difficulty", "paper", "--robots", "2", "--seed", "7", "log.h5")
+        cls.run_of_map = cairn.run("landmark_map", "log.h5", out="map", options={"iterations": 2, "starts": 1}, workers=1)
+        warnings.simplefilter("error")
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        os.chdir(cls.before)
+        cls.folder.cleanup()
+
+    def refused(self, pattern: str, call, *arguments, error=cairn.InputError, **named) -> None:
+        with self.assertRaisesRegex(error, pattern) as caught:
+            call(*arguments, **named)
+        self.assertNotIn("\n", str(caught.exception))
+
+    def copy(self, name: str, of: str = "map/landmark_map.h5") -> Path:
+        return Path(shutil.copy(of, name))
+
+    # What is in a file.
+
+    def test_arrays_are_what_h5py_reads_with_units_and_shapes(self) -> None:
+        seen = []
+        for path in ("log.h5", "map/landmark_map.h5"):
+            with cairn.read(path) as file, h5py.File(path) as plain:
+                names = []
+                plain.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+                self.assertEqual(list(file), names)
+                for name in names:
+                    value, unit = file[name], plain[name].attrs["unit"].decode()
+                    self.assertEqual(file.unit(name), unit)
+                    self.assertEqual(np.shape(value), file.shape(name), name)
+                    same = plain[name][:].astype(str) if plain[name].dtype.kind == "S" else plain[name][:]
+                    np.testing.assert_array_equal(np.reshape(value, same.shape), same)
+                    seen.append(unit)
+        self.assertLess({"m", "rad", "s", "rad/m", "m^2", "1"}, set(seen))
+
+    def test_numbers_and_texts_alone_are_no_arrays(self) -> None:
+        with cairn.read("map") as file:
+            self.assertEqual((file.kind, file.changed), ("landmark_map", False))
+            self.assertEqual(file["map/grid/cell_m"], 1.0)
+            self.assertIs(type(file["log_hash"]), str)
+            self.assertEqual(file.robots, ["robot 0", "robot 1"])
+            self.assertEqual(file.under("map/grid").keys(), {"cell_m", "origin_x_m", "origin_y_m", "probability"})
+            self.assertIn("  map/landmark_x_m [", str(file))
+
+    def test_poses_are_the_likeliest_of_a_map_and_the_true_ones_of_a_log(self) -> None:
+        with cairn.read("map") as file:
+            np.testing.assert_array_equal(file.poses("robot 1").x_m, file["robot/1/poses/mode_x_m"])
+            np.testing.assert_array_equal(file.poses(1).time_s, file["robot/1/poses/time_s"])
+            self.refused("there is no robot 2 .*robot 0, robot 1", file.poses, 2, error=KeyError)
+        with cairn.read("log.h5") as log:
+            np.testing.assert_array_equal(log.poses(0).heading_rad, log["truth/robot/0/poses/heading_rad"])
+            x = y = heading = 0.0
+            for turn, forward in zip(log["robot/0/odometry/turn_rad"], log["robot/0/odometry/forward_m"]):
+                heading += turn
+                x, y = x + forward * np.cos(heading), y + forward * np.sin(heading)
+            last = [column[-1] for column in log.odometry()[1:]]
+            np.testing.assert_allclose(last, [x, y, np.angle(np.exp(1j * heading))], atol=1e-9)
+
+    def test_what_was_read_outlives_the_file_and_cannot_be_written_to(self) -> None:
+        with cairn.read("map") as file:
+            x = file["map/landmark_x_m"]
+        self.assertIs(file["map/landmark_x_m"], x)
+        self.assertGreater(len(x), 5)
+        with self.assertRaises(ValueError):
+            x[0] = 0
+        self.refused("closed before 'map/landmark_y_m' was read", file.__getitem__, "map/landmark_y_m")
+        self.refused("is it 'map/landmark_x_m'", file.__getitem__, "map/landmark_x", error=KeyError)
+
+    def test_files_of_h5py_are_read_too(self) -> None:
+        with h5py.File("own.h5", "w") as f:
+            f.attrs["cairn_format"], f.attrs["cairn_kind"] = 1, "log"
+            f["robots"] = ["rover", "Grüß"]
+            f["noise/contact_m"] = 0.3
+            f["robot/0/odometry/time_s"] = np.array([1, 2], ">f8")
+        with cairn.read("own.h5") as file:
+            self.assertEqual(file.robots, ["rover", "Grüß"])
+            self.assertEqual(file["noise/contact_m"], 0.3)
+            self.assertEqual(file.unit("noise/contact_m"), "1")
+            np.testing.assert_array_equal(file["robot/0/odometry/time_s"], [1, 2])
+
+    # What is refused.
+
+    def test_a_flipped_byte_anywhere_is_damage(self) -> None:
+        good = Path("map/landmark_map.h5").read_bytes()
+        for at in (0, 100, len(good) // 2, len(good) - 25, len(good) - 1):
+            bad = bytearray(good)
+            bad[at] ^= 1
+            Path("bad.h5").write_bytes(bad)
+            self.refused(r"bad.h5: damaged: its bytes are not those", cairn.read, "bad.h5")
+
+    def test_a_cut_file_and_what_is_none_of_cairns(self) -> None:
+        good = Path("map/landmark_map.h5").read_bytes()
+        Path("cut.h5").write_bytes(good[: len(good) // 2])
+        self.refused("cut.h5: no HDF5 file, or a damaged one", cairn.read, "cut.h5")
+        Path("text.h5").write_text("robots")
+        self.refused("text.h5: no HDF5 file", cairn.read, "text.h5")
+        with h5py.File("other.h5", "w"):
+            pass
+        self.refused("other.h5: not a Cairn file: it lacks", cairn.read, "other.h5")
+        self.refused("nowhere.h5: there is no such file", cairn.read, "nowhere.h5")
+        os.mkfifo("pipe.h5")
+        self.refused("pipe.h5: no regular file", cairn.read, "pipe.h5")
+        os.remove("pipe.h5")
+
+    def test_a_newer_format(self) -> None:
+        with h5py.File("newer.h5", "w") as f:
+            f.attrs["cairn_format"], f.attrs["cairn_kind"] = 2, "log"
+        self.refused("newer.h5: of format 2, newer than 1", cairn.read, "newer.h5")
+
+    def test_a_result_that_was_changed_unless_it_is_wanted(self) -> None:
+        with h5py.File(self.copy("edited.h5"), "r+") as f:
+            f["map/landmark_x_m"][0] = 99
+        self.refused("edited.h5: another program has changed it", cairn.read, "edited.h5")
+        with cairn.read("edited.h5", changed=True) as file:
+            self.assertEqual((file.changed, file["map/landmark_x_m"][0]), (True, 99))
+        with h5py.File(self.copy("log2.h5", "log.h5"), "r+") as f:  # of people
+            f["noise/contact_m"][0] = 2
+        self.assertTrue(cairn.read("log2.h5").changed)
+
+    def test_data_that_lie_elsewhere(self) -> None:
+        with h5py.File("outside.h5", "w") as f:
+            f.attrs["cairn_format"], f.attrs["cairn_kind"] = 1, "log"
+            f.create_dataset("a", (2,), "f8", external=[("/etc/passwd", 0, 16)])
+        self.refused("outside.h5: the data of 'a' lie in another file", cairn.read, "outside.h5")
+        with h5py.File("linked.h5", "w") as f:
+            f.attrs["cairn_format"], f.attrs["cairn_kind"] = 1, "log"
+            f["a"] = h5py.ExternalLink("log.h5", "robots")
+        self.assertEqual(len(cairn.read("linked.h5")), 0)
+
+    def test_a_folder_of_several_results(self) -> None:
+        os.makedirs("two", exist_ok=True)
+        self.copy("two/a.h5"), self.copy("two/b.h5")
+        self.refused("which file of 'two'. It has a.h5, b.h5", cairn.read, "two")
+
+    @unittest.skipIf(xxhash is None, "python3-xxhash is missing")
+    def test_the_checksum_is_xxhashs(self) -> None:
+        random = np.random.default_rng(1)
+        for size in (241, 256, 1023, 1024, 1025, 1088, 1089, 4096 * 1024, 4096 * 1024 + 1, 4097 * 1024 + 65):
+            data = random.bytes(size)
+            self.assertEqual(xxh3_128(io.BytesIO(data), size), xxhash.xxh3_128(data).digest(), size)
+
+    # The program.
+
+    def test_a_run_has_a_summary_results_and_a_page(self) -> None:
+        self.assertEqual(self.run_of_map.results, {"landmark_map": Path("map/landmark_map.h5")})
+        self.assertTrue(self.run_of_map.report.is_file())
+        self.assertEqual(self.run_of_map.summary["stages"][0]["kind"], "landmark_map")
+        with self.run_of_map.read() as file:
+            self.assertIn("iterations: 2", file["provenance/job_yaml"])
+        self.refused("no stage 'grid', only landmark_map", self.run_of_map.read, "grid", error=KeyError)
+        again = cairn.run("landmark_map", "log.h5", out="map", options={"iterations": 2, "starts": 1}, workers=1)
+        self.assertEqual(again.summary["note"], "finished already; nothing was run")
+
+    def test_evaluate_says_what_the_program_says(self) -> None:
+        said = subprocess.run(["cairn", "evaluate", "map", "--truth", "log.h5", "--json"], check=True, capture_output=True)
+        scores = cairn.evaluate("map", truth=Path("log.h5"))
+        self.assertEqual(scores, __import__("json").loads(said.stdout))
+        self.assertGreater(scores["landmarks"]["found"], 0)
+        with h5py.File(self.copy("moved.h5"), "r+") as f:
+            f["map/landmark_x_m"][:] += 100
+        self.refused("another program has changed it", cairn.evaluate, "moved.h5", "log.h5")
+        with self.assertWarnsRegex(UserWarning, "has changed moved.h5"):
+            self.assertNotEqual(cairn.evaluate("moved.h5", "log.h5", changed=True)["landmarks"], scores["landmarks"])
+
+    def test_errors_are_the_programs_words(self) -> None:
+        self.refused("^there is no pipeline 'landmark_mapp'; did you mean", cairn.run, "landmark_mapp", "log.h5")
+        self.refused("^--set starts=many: ", cairn.run, "landmark_map", "log.h5", options={"starts": "many"})
+        with self.assertRaises(cairn.CairnError) as caught:
+            cairn.submit("landmark_map", "log.h5", connect=f"ipc://{os.getcwd()}/none.ipc")
+        self.assertNotIsInstance(caught.exception, cairn.InputError)
+        self.assertEqual(caught.exception.exit_code, 1)
+        with mock.patch.dict(os.environ, PATH="/nowhere"):
+            self.refused("there is no program 'cairn' on the path", cairn.evaluate, "map", "log.h5", error=cairn.CairnError)
+
+    def test_a_job_is_handed_in(self) -> None:
+        with subprocess.Popen(["cairn", "coordinator", "--store", "store"], stderr=subprocess.DEVNULL) as coordinator:
+            try:
+                for _ in range(600):
+                    if subprocess.run(["cairn", "list"], capture_output=True, check=False).returncode == 0:
+                        break
+                    subprocess.run(["sleep", "0.05"], check=True)
+                job = cairn.submit("landmark_map", "log.h5", options={"iterations": 2}, seed=3, priority=2)
+                self.assertEqual((job["state"], job["priority"]), ("queued", 2))
+                self.assertEqual(cairn.command("status", job["id"])["id"], job["id"])
+                cairn.command("list")
+            finally:
+                coordinator.terminate()
+
+    # Pictures.
+
+    @unittest.skipIf(matplotlib is None, "python3-matplotlib is missing")
+    def test_a_plot_shows_grid_landmarks_and_paths(self) -> None:
+        matplotlib.use("agg")
+        with cairn.read("map") as file:
+            ax = file.plot()
+            self.assertEqual(len(ax.images), 1)
+            self.assertEqual(len(ax.patches), len(file["map/landmark_x_m"]))
+            self.assertEqual([line.get_label() for line in ax.lines if line.get_linestyle() == "-"], file.robots)
+            np.testing.assert_array_equal(ax.lines[-1].get_xdata(), file.poses(1).x_m)
+            rows, columns = ax.images[0].get_array().shape
+            west, east, south, north = ax.images[0].get_extent()
+            self.assertEqual((east - west, north - south), (columns, rows))
+            self.assertIs(cairn.read("log.h5").plot(ax), ax)
+        # A region of 95% of a landmark that is 2 m unsure along the diagonal.
+        from cairn.picture import _region
+
+        region = _region(1, 2, 2 * np.array([[1.01, 0.99], [0.99, 1.01]]))
+        self.assertAlmostEqual(max(region.width, region.height), 2 * 2 * 2.4477, 3)
+        self.assertAlmostEqual((region.angle + (90 if region.height > region.width else 0)) % 180, 45)
+        with h5py.File("bare.h5", "w") as f:
+            f.attrs["cairn_format"], f.attrs["cairn_kind"] = 1, "samples"
+        self.refused("there is neither a map nor a path", cairn.read("bare.h5").plot)
+
+
+if __name__ == "__main__":
+    unittest.main()
