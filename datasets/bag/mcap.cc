@@ -8,21 +8,11 @@
 #include "datasets/bag/container.h"
 #include "datasets/bag/unpack.h"
 #include "datasets/bag/window_file.h"
+#include "datasets/common/mcap_format.h"
 
 namespace cairn::datasets::bag {
 namespace {
 
-constexpr std::string_view kMcapMagic{"\x89MCAP0\r\n", 8};
-enum McapOp : std::uint8_t {
-  kMcapFooter = 2,
-  kMcapSchema = 3,
-  kMcapChannel = 4,
-  kMcapMessage = 5,
-  kMcapChunk = 6,
-  kMcapChunkIndex = 8,
-  kMcapStatistics = 11,
-  kMcapDataEnd = 15,
-};
 constexpr std::uint64_t kRecordHead = 9;
 
 struct Schema {

@@ -40,6 +40,10 @@ Written ExportRos(const Blob& result, const std::string& folder, bool replace = 
 // multiples of the cell; a map whose origin does not is moved by up to half a cell.
 Written ExportOctomap(const Blob& result, const std::string& folder, bool replace = true);
 
+// map.mcap: messages of Foxglove's schemas, encoded by protobuf (docs/exports.md has the topics): the grid,
+// landmarks with the regions that hold them by 95%, paths, each pose at its time, beliefs.
+Written ExportMcap(const Blob& blob, const std::string& folder, bool replace = true);
+
 // map.png: paths, landmarks with their 95% regions, the grid beneath, axes, a bar for scale
 // (report/draw_map.h). Of a grid map a pixel for each cell (report/cell_picture.h), and beside it
 // most_likely.png, difference.png and dynamic.png where it has these layers.

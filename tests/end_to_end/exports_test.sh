@@ -20,6 +20,10 @@ cairn import carmen corridor.log corridor.h5 --laser-max-range-m 10 2>/dev/null
 cairn run evidence_map corridor.h5 --out grid --set cell_m=0.1 >/dev/null 2>&1
 for mode in trinary scale raw; do exits 0 cairn export ros grid "$mode" --mode "$mode"; done
 exits 0 cairn export png grid pictures
+exits 0 cairn export mcap grid messages
+exits 0 cairn inspect messages/map.mcap
+says '^messages/map.mcap: an MCAP file, 2 topics'
+says '^  /map foxglove.Grid: 1 messages'
 exits 0 cairn export octomap grid tree
 exits 0 cairn export octomap grid tree  # the same again
 echo >>tree/map.bt

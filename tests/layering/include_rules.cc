@@ -273,7 +273,7 @@ const std::vector<Rule>& Rules() {
        false},
       {"datasets/export",
        {"schema/*", "schema/kinds/", "schema/store/", "datasets/common/", "datasets/evaluate/maps/",
-        "datasets/report/", "datasets/export/", "Eigen/"},
+        "datasets/report/", "datasets/export/", "Eigen/", "google/protobuf/", "zlib.h", "zstd.h"},
        false},
       {"datasets/reproduce",
        {"schema/*", "schema/kinds/", "datasets/common/", "datasets/evaluate/", "datasets/report/",

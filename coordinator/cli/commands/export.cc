@@ -14,9 +14,11 @@
 namespace cairn::cli {
 namespace {
 
+struct Format;
+
 struct ExportArguments {
   bool changed = false;
-  std::string format;  // set by the subcommand
+  const Format* format = nullptr;  // set by the subcommand
   std::string from;
   std::string folder;
   std::string log;               // g2o only
@@ -25,58 +27,76 @@ struct ExportArguments {
   bool json = false;
 };
 
-bool IsForPlanning(const ExportArguments& options) {
-  return options.format == "ros" || options.format == "octomap";
+datasets::RosMode ModeOf(const std::string& mode) {
+  if (mode == "scale") return datasets::RosMode::kScale;
+  return mode == "raw" ? datasets::RosMode::kRaw : datasets::RosMode::kTrinary;
 }
+
+datasets::Written WriteG2o(const ExportArguments& options, const Blob& blob) {
+  if (options.log.empty()) return datasets::ExportG2o(blob, nullptr, options.folder, options.force);
+  const Blob log = ReadResult(options.log, "log", options.changed).blob;
+  return datasets::ExportG2o(blob, &log, options.folder, options.force);
+}
+
+template <datasets::Written (*Export)(const Blob&, const std::string&, bool)>
+datasets::Written WriteBy(const ExportArguments& options, const Blob& blob) {
+  return Export(blob, options.folder, options.force);
+}
+
+struct Format {
+  const char* name;
+  const char* help;
+  const char* holds;  // what its files do; empty: as they are called
+  datasets::Written (*write)(const ExportArguments& options, const Blob& blob);
+  bool is_for_planning = false;
+};
+
+// In the order in which people are shown them.
+constexpr Format kFormats[] = {
+    {"tum", "Trajectories, a file a robot, as TUM's tools and evo read them", "trajectory",
+     WriteBy<datasets::ExportTum>},
+    {"g2o", "Poses, landmarks and their edges as a graph", "graph", WriteG2o},
+    {"mcap", "Map, landmarks and paths as Foxglove and Rerun show them", "messages",
+     WriteBy<datasets::ExportMcap>},
+    {"ros", "The map as map_server of ROS reads it: PGM and YAML", "grid",
+     [](const ExportArguments& options, const Blob& blob) {
+       return datasets::ExportRos(blob, options.folder, options.force, ModeOf(options.mode));
+     },
+     true},
+    {"octomap", "The grid as a layer of an octree, as OctoMap reads it: .bt", "octree",
+     WriteBy<datasets::ExportOctomap>, true},
+    {"png", "The map as a picture; of a grid map a pixel a cell", "", WriteBy<datasets::ExportPng>},
+    {"csv", "Tables: of a log those that `import csv` reads, of a result poses and landmarks", "",
+     WriteBy<datasets::ExportCsv>},
+};
 
 // Of a folder's results the first that the format knows; maps for planners rather of one that tells what is
 // free.
 BlobFile ReadSource(const ExportArguments& options) {
   std::vector<std::string> kinds;
   for (const datasets::ResultKind& kind : datasets::ResultKinds()) {
-    if (kind.exports.find(options.format) == std::string_view::npos) continue;
-    const bool first = IsForPlanning(options) && kind.tells_free_space;
+    if (kind.exports.find(options.format->name) == std::string_view::npos) continue;
+    const bool first = options.format->is_for_planning && kind.tells_free_space;
     kinds.insert(first ? kinds.begin() : kinds.end(), std::string(kind.name));
   }
   return ReadFirstOf(options.from, kinds, options.changed);
 }
 
-datasets::RosMode ModeOf(const std::string& mode) {
-  if (mode == "scale") return datasets::RosMode::kScale;
-  return mode == "raw" ? datasets::RosMode::kRaw : datasets::RosMode::kTrinary;
-}
-
-datasets::Written Write(const ExportArguments& options, const Blob& blob) {
-  if (options.format == "tum") return datasets::ExportTum(blob, options.folder, options.force);
-  if (options.format == "ros") {
-    return datasets::ExportRos(blob, options.folder, options.force, ModeOf(options.mode));
-  }
-  if (options.format == "octomap") return datasets::ExportOctomap(blob, options.folder, options.force);
-  if (options.format == "png") return datasets::ExportPng(blob, options.folder, options.force);
-  if (options.format == "csv") return datasets::ExportCsv(blob, options.folder, options.force);
-  if (options.log.empty()) return datasets::ExportG2o(blob, nullptr, options.folder, options.force);
-  const Blob log = ReadResult(options.log, "log", options.changed).blob;
-  return datasets::ExportG2o(blob, &log, options.folder, options.force);
-}
-
-// What one of the format's files holds: of tables and pictures their name says it.
-std::string HeldBy(const std::string& file, const std::string& format) {
+// What one of the format's files holds.
+std::string HeldBy(const std::string& file, const Format& format) {
   const std::filesystem::path path(file);
-  if (format == "tum") return "trajectory";
-  if (format == "g2o") return "graph";
-  if (format == "octomap") return "octree";
-  if (format == "ros") return path.extension() == ".yaml" ? "settings" : "grid";
-  return path.stem().string();
+  if (*format.holds == '\0') return path.stem().string();
+  return path.extension() == ".yaml" ? "settings" : format.holds;
 }
 
 void PrintWritten(const ExportArguments& options, const std::string& kind,
                   const std::vector<std::string>& files, const std::vector<std::string>& left_out) {
   nlohmann::ordered_json json = {{"kind", kind},
-                                 {"format", options.format},
+                                 {"format", options.format->name},
                                  {"files", nlohmann::ordered_json::array()},
                                  {"left_out", left_out}};
   for (const std::string& file : files)
-    json["files"].push_back({{"file", file}, {"holds", HeldBy(file, options.format)}});
+    json["files"].push_back({{"file", file}, {"holds", HeldBy(file, *options.format)}});
   std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }
 
@@ -84,13 +104,14 @@ int Export(const ExportArguments& options, const Invocation&) {
   const BlobFile source = ReadSource(options);
   WarnOfSeveralJobs(options.from, "it is the " + source.kind + " that is exported");
   const datasets::ResultKind* kind = datasets::FindResultKind(source.kind);
-  const std::vector<std::string> files = Take(Write(options, source.blob));
-  const std::vector<std::string> left =
-      options.format == "csv" ? datasets::NotInCsv(source.blob) : std::vector<std::string>();
+  const std::vector<std::string> files = Take(options.format->write(options, source.blob));
+  const std::vector<std::string> left = options.format->name == std::string_view("csv")
+                                            ? datasets::NotInCsv(source.blob)
+                                            : std::vector<std::string>();
   if (options.json) PrintWritten(options, source.kind, files, left);
   for (const std::string& file : files)
     if (!options.json) std::printf("%s\n", file.c_str());
-  if (IsForPlanning(options) && kind != nullptr && !kind->tells_free_space) {
+  if (options.format->is_for_planning && kind != nullptr && !kind->tells_free_space) {
     std::fprintf(stderr,
                  "note: a landmark map says nothing of free space: where no landmark is nothing is known. To "
                  "plan ways make a grid map (evidence_map, forward_map)\n");
@@ -101,25 +122,25 @@ int Export(const ExportArguments& options, const Invocation&) {
   return kExitDone;
 }
 
-void AddFormat(Command parent, Invocation& call, const char* format, const char* help) {
+void AddFormat(Command parent, Invocation& call, const Format& format) {
   Command command;
-  const std::string example = "cairn export " + std::string(format) + " result exported";
+  const std::string name = format.name, example = "cairn export " + name + " result exported";
   const auto options =
-      AddCommand<ExportArguments>(parent, call, format, help, example.c_str(), Export, &command);
-  options->format = format;
+      AddCommand<ExportArguments>(parent, call, format.name, format.help, example.c_str(), Export, &command);
+  options->format = &format;
   command.Add("RESULT", options->from, "A result file, or the folder given as --out").Required();
   command.Add("FOLDER", options->folder, "Where to write; made where it is missing").Required();
   AddChangedFlag(command, &options->changed);
   command.AddFlag("--force", options->force, "Replace files that are there already");
   command.AddFlag("--json", options->json, "What was written, as JSON");
-  if (options->format == "ros") {
+  if (name == "ros") {
     command
         .Add("--mode", options->mode,
              "trinary: occupied, free or unknown; scale: shades of grey; raw: 0 to 100, unknown 255")
         .OneOf({"trinary", "scale", "raw"})
         .ShowDefault();
   }
-  if (options->format == "g2o") {
+  if (name == "g2o") {
     command.Add(
         "--log", options->log,
         "The log that the result was made from: edges are its odometry and observations, or loops, at "
@@ -133,13 +154,7 @@ void AddExport(Command app, Invocation& call) {
   Command parent = app.AddCommand("export", "Writes maps and trajectories for other tools");
   parent.NeedsCommand();
   parent.Footer("Example:\n  cairn export tum result exported");
-  AddFormat(parent, call, "tum", "Trajectories, a file a robot, as TUM's tools and evo read them");
-  AddFormat(parent, call, "g2o", "Poses, landmarks and their edges as a graph");
-  AddFormat(parent, call, "ros", "The map as map_server of ROS reads it: PGM and YAML");
-  AddFormat(parent, call, "octomap", "The grid as a layer of an octree, as OctoMap reads it: .bt");
-  AddFormat(parent, call, "png", "The map as a picture; of a grid map a pixel a cell");
-  AddFormat(parent, call, "csv",
-            "Tables: of a log those that `import csv` reads, of a result poses and landmarks");
+  for (const Format& format : kFormats) AddFormat(parent, call, format);
 }
 
 }  // namespace cairn::cli
