@@ -41,7 +41,7 @@ set(CAIRN_LINKS_datasets_report
 set(CAIRN_LINKS_datasets_report_drawing "datasets/common|cairn::opencv_(core|imgproc)")
 set(CAIRN_LINKS_datasets_report_pages "datasets/report|datasets/evaluate(/learning)?")
 set(CAIRN_LINKS_datasets_kinds "schema|datasets/common|datasets/evaluate/learning|datasets/report/pages")
-set(CAIRN_LINKS_datasets_export "schema/store|datasets/(common|evaluate/maps|report)|Eigen3::.*|PkgConfig::CAIRN_ZSTD|ZLIB::.*")
+set(CAIRN_LINKS_datasets_export "schema/store|datasets/(common|evaluate/maps|report)|Eigen3::.*|PkgConfig::CAIRN_ZSTD|ZLIB::.*|nlohmann_json::.*")
 set(CAIRN_LINKS_datasets_reproduce "datasets/(common|simulate)|datasets/report(/drawing)?")
 set(CAIRN_LINKS_datasets_reproduce_landmarks "datasets/(evaluate|reproduce)")
 set(CAIRN_LINKS_datasets_reproduce_occupancy "datasets/reproduce|datasets/evaluate/maps|datasets/simulate/hall")

@@ -16,6 +16,24 @@ using Written = Result<std::vector<std::string>>;
 // ROBOT.tum for each robot: "time x y z qx qy qz qw" a line, as TUM's tools and evo read it. Poses are the
 // most likely ones where the file has them, else the means; of a log, the true ones.
 Written ExportTum(const Blob& blob, const std::string& folder, bool replace = true);
+// ROBOT.kitti, the upper three rows of each pose's matrix a line, and ROBOT.times beside it, seconds a line.
+Written ExportKitti(const Blob& blob, const std::string& folder, bool replace = true);
+// ROBOT.csv as EuRoC's state_groundtruth_estimate0/data.csv: nanoseconds, position, quaternion (w first);
+// velocity and biases, which nobody knows, are "nan". Throws InputError also where a time is beyond 292
+// years.
+Written ExportEuroc(const Blob& blob, const std::string& folder, bool replace = true);
+
+// landmarks.ply: where they are, with their covariances; of a grid map map.ply, the middles of the cells that
+// are rather occupied; path_ROBOT.ply, the path's poses, with lines from each to the next.
+Written ExportPly(const Blob& blob, const std::string& folder, bool replace = true);
+
+// Where (0, 0) of a map lies on the earth, and how far its x-axis is turned from east, counter-clockwise.
+struct GeoOrigin {
+  double latitude_deg = 0, longitude_deg = 0, x_axis_deg = 0;
+};
+// map.geojson: a feature for each landmark and each path, on WGS 84.
+Written ExportGeojson(const Blob& blob, const GeoOrigin& origin, const std::string& folder,
+                      bool replace = true);
 
 // graph.g2o: VERTEX_SE2 for each pose (as for tum), VERTEX_XY for each landmark. With the log at hand (else
 // null) the edges are what the result was made of: odometry from each pose to the next one, and observations

@@ -24,6 +24,18 @@ Blob SmallGrid() {
   return map;
 }
 
+// What map_server of nav2 makes of a pixel, as its map_io reads it: transparency comes first, and a shade is
+// rounded.
+int ServedByNav2(int grey, int alpha, const std::string& mode, double occupied, double free) {
+  if (mode == "raw") return grey <= 100 ? grey : -1;
+  const double occupancy = 1 - grey / 255.0;
+  if (mode == "scale" && alpha < 255) return -1;
+  if (occupied < occupancy) return 100;
+  if (occupancy < free) return 0;
+  if (mode == "trinary") return -1;
+  return static_cast<int>(std::rint((occupancy - free) / (occupied - free) * 100));
+}
+
 // What map_server of ROS makes of a pixel, as its documentation says: -1 unknown, 0 to 100.
 int Served(int grey, int alpha, const std::string& mode, double occupied, double free) {
   if (mode == "raw") return grey <= 100 ? grey : -1;
@@ -51,9 +63,15 @@ std::vector<int> Serve(const std::string& folder) {
     for (int column = 0; column < image.cols; ++column) {
       const bool alpha = image.channels() == 4;
       const int grey = alpha ? image.at<cv::Vec4b>(row, column)[0] : image.at<std::uint8_t>(row, column);
-      served.push_back(Served(grey, alpha ? image.at<cv::Vec4b>(row, column)[3] : 255, entries.at("mode"),
-                              std::stod(entries.at("occupied_thresh")),
-                              std::stod(entries.at("free_thresh"))));
+      const int opaque = alpha ? image.at<cv::Vec4b>(row, column)[3] : 255;
+      const double occupied = std::stod(entries.at("occupied_thresh")),
+                   free = std::stod(entries.at("free_thresh"));
+      served.push_back(Served(grey, opaque, entries.at("mode"), occupied, free));
+      // The two servers agree, but for shades: up to 2, for one has them from 1 to 99, the other from 0 to
+      // 100.
+      const bool is_shade = entries.at("mode") == "scale" && served.back() > 0 && served.back() < 100;
+      EXPECT_NEAR(ServedByNav2(grey, opaque, entries.at("mode"), occupied, free), served.back(),
+                  is_shade ? 2 : 0);
     }
   }
   return served;

@@ -60,12 +60,8 @@ class Clock {
   explicit Clock(double first_s) : forward_s_(std::max(0.0, std::ceil(-first_s))) {}
   double forward_s() const { return forward_s_; }
   std::uint64_t Ns(double time_s) const {
-    constexpr double kMost_s = 9e9;  // 2^63 ns
-    if (!(time_s + forward_s_ < kMost_s))
-      throw InputError("time " + NumberText(time_s) + " s: MCAP counts nanoseconds, and none after 9e9 s");
-    const double whole_s = std::floor(time_s);
-    return static_cast<std::uint64_t>(whole_s + forward_s_) * 1'000'000'000 +
-           static_cast<std::uint64_t>(std::llround((time_s - whole_s) * 1e9));
+    return static_cast<std::uint64_t>(Nanoseconds(time_s)) +
+           static_cast<std::uint64_t>(forward_s_) * 1'000'000'000;
   }
 
  private:
@@ -256,10 +252,6 @@ void AddBeliefs(const kinds::LandmarkMap::Beliefs& beliefs, double cell_m, const
   }
 }
 
-std::vector<Path> PathsIfAny(const Blob& blob) {
-  return blob.Has("map/grid/probability") && IsGridMap(blob) ? std::vector<Path>() : ReadPaths(blob);
-}
-
 double FirstTime(const std::vector<Path>& paths) {
   std::optional<double> first_s;
   for (const Path& path : paths)
@@ -270,7 +262,7 @@ double FirstTime(const std::vector<Path>& paths) {
 }  // namespace
 
 Written ExportMcap(const Blob& blob, const std::string& folder, bool replace) {
-  const std::vector<Path> paths = PathsIfAny(blob);
+  const std::vector<Path> paths = PathsOf(blob);
   Stage stage(blob, FirstTime(paths));
   if (blob.Has("map/grid/probability")) {
     const Occupancy cells = ReadCells(blob);

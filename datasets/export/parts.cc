@@ -8,6 +8,7 @@
 #include <span>
 #include <system_error>
 
+#include "datasets/common/array_text.h"
 #include "schema/kinds/landmark_map.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/checksum_trailer.h"
@@ -75,6 +76,18 @@ std::vector<Path> ReadPaths(const Blob& blob) {
   }
   if (paths.empty()) throw InputError("there are no poses in it");
   return paths;
+}
+
+std::vector<Path> PathsOf(const Blob& blob) {
+  return IsGridMap(blob) ? std::vector<Path>() : ReadPaths(blob);
+}
+
+std::int64_t Nanoseconds(double time_s) {
+  constexpr double kMost_s = 9.2e9;
+  if (!(std::abs(time_s) < kMost_s))
+    throw InputError("time " + NumberText(time_s) + " s: nanoseconds are counted to 9.2e9 s (292 years)");
+  const double whole_s = std::floor(time_s);
+  return static_cast<std::int64_t>(whole_s) * 1'000'000'000 + std::llround((time_s - whole_s) * 1e9);
 }
 
 Occupancy ReadCells(const Blob& blob) {

@@ -1,6 +1,7 @@
 // What the exporters share.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <utility>
@@ -26,6 +27,11 @@ struct Path {
 // The most likely poses, else the means, else the true ones.
 // Throws InputError where there are none.
 std::vector<Path> ReadPaths(const Blob& blob);
+
+// The same, but of a grid_map, which may be without: none.
+std::vector<Path> PathsOf(const Blob& blob);
+// Throws InputError beyond what 64 bits hold.
+std::int64_t Nanoseconds(double time_s);
 
 // What other programs may take a cell to be. Of a grid map as ReadOccupancy says. A landmark map tells where
 // something stands and nothing of free space: known are the cells of its extracted landmarks, which are

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Grid maps as other programs read them: ROS maps in all three modes by PyYAML and Pillow, after map_server's rules; PNG;
-# OctoMap's file by its header (readers_test reads it by OctoMap itself).
+# Maps as other programs read them: ROS maps in all three modes by PyYAML and Pillow, after the rules of ROS's map_server and of
+# nav2's; PNG; OctoMap's file by its header (readers_test reads it by OctoMap itself); trajectories in five formats, each against the others.
 source "$(dirname "$0")/common.sh"
 python=
 for candidate in python3 /usr/bin/python3; do
@@ -31,13 +31,38 @@ refuses "is there already" cairn export octomap grid tree
 exits 0 cairn export octomap grid tree --force
 refuses "mode.*\{trinary,scale,raw\}|trinary" cairn export ros grid other --mode grey
 
+simulate drive.h5
+for format in tum kitti euroc ply; do exits 0 cairn export $format drive.h5 $format; done
+exits 0 cairn export geojson drive.h5 earth --latitude-deg 48.137 --longitude-deg 11.575
+refuses "latitude-deg is required" cairn export geojson drive.h5 earth --force
+
 cat >serve.py <<'END'
+import glob
+import json
+import math
+
 import yaml
 from PIL import Image
+
+def nav2(mode, grey, alpha, low, high):
+    """As nav2's map_server has it, which looks at transparency first and rounds shades."""
+    occupancy = 1 - grey / 255
+    if mode == "raw":
+        return grey if grey <= 100 else -1
+    if mode == "scale" and alpha < 255:
+        return -1
+    if high < occupancy:
+        return 100
+    if occupancy < low:
+        return 0
+    return -1 if mode == "trinary" else round((occupancy - low) / (high - low) * 100)
 
 def serve(mode):
     """What map_server makes of the map: {(column, row): -1 or 0..100}, row 0 the lowest."""
     facts = yaml.safe_load(open(f"{mode}/map.yaml"))
+    # What nav2 does without: a map whose settings lack one of these is refused.
+    assert {"image", "resolution", "origin", "free_thresh", "occupied_thresh", "negate"} < set(facts)
+    assert len(facts["origin"]) == 3 and 0 <= facts["free_thresh"] < facts["occupied_thresh"] <= 1
     assert facts["mode"] == mode and facts["negate"] == 0 and abs(facts["resolution"] - 0.1) < 1e-12
     image = Image.open(f"{mode}/{facts['image']}")
     width, height = image.size
@@ -58,6 +83,8 @@ def serve(mode):
                 value = -1
             else:
                 value = int(1 + 98 * (occupancy - low) / (high - low))
+            other = nav2(mode, grey, alpha, low, high)
+            assert abs(other - value) <= (2 if mode == "scale" and 0 < value < 100 else 0), (mode, grey, value, other)
             cells[x, height - 1 - y] = value
     return facts, cells
 
@@ -77,7 +104,30 @@ for cell, value in maps["trinary"][1].items():
 picture = Image.open("pictures/map.png")
 assert picture.size == Image.open("raw/map.pgm").size
 print(len(maps["raw"][1]), "cells agree")
+
+def rows(pattern, between):
+    (file,) = glob.glob(pattern)
+    return [[float(word) for word in line.split(between)] for line in open(file) if not line.startswith("#")]
+
+# One path in five formats, of which each is another's check.
+tum, kitti, euroc = rows("tum/*.tum", " "), rows("kitti/*.kitti", " "), rows("euroc/*.csv", ",")
+times = [row[0] for row in rows("kitti/*.times", " ")]
+(file,) = glob.glob("ply/path_*.ply")
+ply = open(file).read().split("end_header\n")[1].splitlines()
+line = [f for f in json.load(open("earth/map.geojson"))["features"] if f["geometry"]["type"] == "LineString"][0]
+assert len(tum) == len(kitti) == len(euroc) == len(times) == len(line["geometry"]["coordinates"]) > 1000
+near = lambda a, b: all(math.isclose(x, y, abs_tol=1e-9) for x, y in zip(a, b, strict=True))
+for i, (time, x, y, z, qx, qy, qz, qw) in enumerate(tum):
+    r11, r12, r13, tx, r21, r22, r23, ty, r31, r32, r33, tz = kitti[i]
+    assert near((tx, ty, tz, r33, times[i]), (x, y, 0, 1, time)) and z == qx == qy == r13 == r23 == r31 == r32 == 0
+    assert near((r11, r12, r21, r22), (qw * qw - qz * qz, -2 * qw * qz, 2 * qw * qz, qw * qw - qz * qz))
+    assert abs(euroc[i][0] - 1e9 * time) < 1 and near(euroc[i][1:8], (x, y, 0, qw, 0, 0, qz))
+    assert near([float(word) for word in ply[i].split()][:4], (x, y, 0, time))
+    east, north = line["geometry"]["coordinates"][i]
+    assert abs((north - 48.137) * 111192.987 - y) < 0.05 and abs((east - 11.575) * 74427.561 - x) < 0.05, (i, x, y)
+print(len(tum), "poses agree")
 END
 exits 0 "$python" serve.py
 says 'cells agree'
+says 'poses agree'
 head -c 60 tree/map.bt | head -n 1 | grep -qx '# Octomap OcTree binary file' || die "no file of OctoMap"

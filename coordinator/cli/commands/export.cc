@@ -23,6 +23,7 @@ struct ExportArguments {
   std::string folder;
   std::string log;               // g2o only
   std::string mode = "trinary";  // ros only
+  datasets::GeoOrigin origin;    // geojson only
   bool force = false;
   bool json = false;
 };
@@ -55,6 +56,9 @@ struct Format {
 constexpr Format kFormats[] = {
     {"tum", "Trajectories, a file a robot, as TUM's tools and evo read them", "trajectory",
      WriteBy<datasets::ExportTum>},
+    {"kitti", "Trajectories as KITTI's: a pose's matrix a line, and times beside them", "trajectory",
+     WriteBy<datasets::ExportKitti>},
+    {"euroc", "Trajectories as EuRoC's: CSV by nanoseconds", "trajectory", WriteBy<datasets::ExportEuroc>},
     {"g2o", "Poses, landmarks and their edges as a graph", "graph", WriteG2o},
     {"mcap", "Map, landmarks and paths as Foxglove and Rerun show them", "messages",
      WriteBy<datasets::ExportMcap>},
@@ -65,6 +69,12 @@ constexpr Format kFormats[] = {
      true},
     {"octomap", "The grid as a layer of an octree, as OctoMap reads it: .bt", "octree",
      WriteBy<datasets::ExportOctomap>, true},
+    {"geojson", "Landmarks and paths on the earth, of a map whose place there is said", "map",
+     [](const ExportArguments& options, const Blob& blob) {
+       return datasets::ExportGeojson(blob, options.origin, options.folder, options.force);
+     }},
+    {"ply", "Landmarks, occupied cells and paths as points, for MeshLab and its like", "",
+     WriteBy<datasets::ExportPly>},
     {"png", "The map as a picture; of a grid map a pixel a cell", "", WriteBy<datasets::ExportPng>},
     {"csv", "Tables: of a log those that `import csv` reads, of a result poses and landmarks", "",
      WriteBy<datasets::ExportCsv>},
@@ -86,6 +96,7 @@ BlobFile ReadSource(const ExportArguments& options) {
 std::string HeldBy(const std::string& file, const Format& format) {
   const std::filesystem::path path(file);
   if (*format.holds == '\0') return path.stem().string();
+  if (path.extension() == ".times") return "times";
   return path.extension() == ".yaml" ? "settings" : format.holds;
 }
 
@@ -124,7 +135,9 @@ int Export(const ExportArguments& options, const Invocation&) {
 
 void AddFormat(Command parent, Invocation& call, const Format& format) {
   Command command;
-  const std::string name = format.name, example = "cairn export " + name + " result exported";
+  const std::string name = format.name,
+                    example = "cairn export " + name + " result exported" +
+                              (name == "geojson" ? " --latitude-deg 48.137 --longitude-deg 11.575" : "");
   const auto options =
       AddCommand<ExportArguments>(parent, call, format.name, format.help, example.c_str(), Export, &command);
   options->format = &format;
@@ -138,6 +151,21 @@ void AddFormat(Command parent, Invocation& call, const Format& format) {
         .Add("--mode", options->mode,
              "trinary: occupied, free or unknown; scale: shades of grey; raw: 0 to 100, unknown 255")
         .OneOf({"trinary", "scale", "raw"})
+        .ShowDefault();
+  }
+  if (name == "geojson") {
+    command
+        .Add("--latitude-deg", options->origin.latitude_deg,
+             "Where the map's (0, 0) lies, north of the equator")
+        .Within(-89.9, 89.9)
+        .Required();
+    command.Add("--longitude-deg", options->origin.longitude_deg, "Where it lies, east of Greenwich")
+        .Within(-180.0, 180.0)
+        .Required();
+    command
+        .Add("--x-axis-deg", options->origin.x_axis_deg,
+             "By how much the map's x-axis is turned from east, counter-clockwise")
+        .Within(-360.0, 360.0)
         .ShowDefault();
   }
   if (name == "g2o") {
