@@ -132,7 +132,7 @@ declare -A known=() # commands whose examples were run, or are by another test
 
 runs
 for command in run map simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' 'simulate office' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' 'import pioneer' 'import dpslam' 'import wean' 'import tum' inspect evaluate report pipelines export \
-  'export tum' 'export g2o' 'export ros' 'export octomap' 'export png' 'export csv' diff keys 'keys allow' 'keys show' 'keys revoke'; do
+  'export tum' 'export kitti' 'export euroc' 'export g2o' 'export mcap' 'export geojson' 'export ply' 'export ros' 'export octomap' 'export png' 'export csv' diff keys 'keys allow' 'keys show' 'keys revoke'; do
   read -ra words <<<"$command"
   runs "${words[@]}"
 done
