@@ -15,7 +15,13 @@ LineError UnknownMessage(std::string_view name) {
   return {"unknown message", "'" + std::string(name.substr(0, kShown)) + "'"};
 }
 
-Fields::Fields(std::string_view line) {
+Fields::Fields(std::string_view line, bool by_commas) {
+  for (std::string_view rest = line; by_commas;) {
+    const std::size_t comma = rest.find(',');
+    fields_.push_back(Trim(rest.substr(0, comma)));
+    if (comma == std::string_view::npos) return;
+    rest.remove_prefix(comma + 1);
+  }
   constexpr std::string_view kBlanks = " \t";
   for (std::string_view rest = Trim(line); !rest.empty(); rest = Trim(rest)) {
     fields_.push_back(rest.substr(0, rest.find_first_of(kBlanks)));
@@ -42,11 +48,14 @@ double Fields::Within(std::size_t field, double per, double most, const char* ot
   throw LineError{otherwise, FieldName(field) + " is '" + std::string(Text(field)) + "'"};
 }
 
+double Fields::Place(std::size_t field, double per_m) const {
+  constexpr double kMost_m = 1e7;
+  return Within(field, per_m, kMost_m, "no place on Earth");
+}
+
 Pose Fields::PoseAt(std::size_t first, double per_m) const {
-  constexpr double kMost_m = 1e7, kMost_rad = 1e6;
-  return {Within(first, per_m, kMost_m, "no place on Earth"),
-          Within(first + 1, per_m, kMost_m, "no place on Earth"),
-          Within(first + 2, 1, kMost_rad, "no heading")};
+  constexpr double kMost_rad = 1e6;
+  return {Place(first, per_m), Place(first + 1, per_m), Within(first + 2, 1, kMost_rad, "no heading")};
 }
 
 double Fields::Stamp(std::size_t field, double per_s) const {
@@ -84,11 +93,12 @@ void Fields::Need(std::size_t needed, const std::string& declared) const {
 }
 
 void ForEachLine(const std::string& path, BadLines* bad,
-                 const std::function<void(const Fields&, std::size_t)>& read) {
+                 const std::function<void(const Fields&, std::size_t)>& read, bool by_commas) {
   const std::string text = ReadText(path);
   for (Lines lines(text); lines.Next();) {
-    const Fields fields(lines.text());
-    if (fields.empty() || fields.Text(0).starts_with('#')) continue;
+    if (Trim(lines.text()).empty()) continue;
+    const Fields fields(lines.text(), by_commas);
+    if (fields.Text(0).starts_with('#')) continue;
     try {
       read(fields, lines.number());
     } catch (const LineError& error) {

@@ -1,4 +1,4 @@
-// A line as fields between blanks.
+// A line as fields between blanks, or commas.
 #pragma once
 
 #include <cstddef>
@@ -22,14 +22,15 @@ LineError UnknownMessage(std::string_view name);
 
 class Fields {
  public:
-  explicit Fields(std::string_view line);
+  explicit Fields(std::string_view line, bool by_commas = false);
   std::size_t size() const { return fields_.size(); }
   bool empty() const { return fields_.empty(); }
   // These throw LineError: where there is no such field, "line cut short"; for numbers as ParseNumber says.
   std::string_view Text(std::size_t field) const;
   double Number(std::size_t field) const;
-  // A pose x, y, heading, `per_m` units of length a metre; beyond 10,000 km or a million radians "no place on
-  // Earth", "no heading".
+  // A coordinate, `per_m` units of length a metre; beyond 10,000 km "no place on Earth".
+  double Place(std::size_t field, double per_m = 1) const;
+  // A pose x, y, heading; beyond a million radians "no heading".
   Pose PoseAt(std::size_t first, double per_m = 1) const;
   // A time, `per_s` units a second; beyond 4.2e9 s (Unix time of 2103), where a double has no microseconds,
   // "no time stamp".
@@ -51,6 +52,6 @@ class Fields {
 // Hands each line of the file (plain or gzipped) that is neither empty nor a comment ('#') to `read`, with
 // its number; one of which it throws LineError is bad.
 void ForEachLine(const std::string& path, BadLines* bad,
-                 const std::function<void(const Fields&, std::size_t)>& read);
+                 const std::function<void(const Fields&, std::size_t)>& read, bool by_commas = false);
 
 }  // namespace cairn::datasets

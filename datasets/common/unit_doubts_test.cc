@@ -12,7 +12,7 @@
 #include "datasets/import/recorded/mrclam.h"
 #include "datasets/import/recorded/ranges.h"
 #include "datasets/import/recorded/recorded.h"
-#include "datasets/import/tum.h"
+#include "datasets/import/trajectories.h"
 #include "datasets/import/vectors.h"
 #include "datasets/simulate/hall/hall.h"
 #include "datasets/simulate/loop.h"
@@ -109,7 +109,7 @@ class UnitsOfFiles : public ImportTest {
       poses += Line({units.time * row.time_s, units.distance * row.x_m, units.distance * row.y_m,
                      units.turn * row.heading_rad},
                     " ");
-    return ImportTum({{folder_.Put("track.txt", poses)}, {}, false}, &log_);
+    return ImportTrajectories({{folder_.Put("track.txt", poses)}, {}, false}, &log_);
   }
 
   ImportReport Vectors(const Units& units) {

@@ -119,6 +119,11 @@ std::optional<Recognized> RecognizeFile(const std::string& path) {
       return Recognized{"a laser log of DP-SLAM", "cairn import dpslam " + file + " log.h5"};
     if (word == "O" || word == "L")
       return Recognized{"a laser log of Wean Hall", "cairn import wean " + file + " log.h5"};
+    if (word.starts_with("VERTEX_SE2") || word.starts_with("EDGE_SE2"))
+      return Recognized{"a pose graph of g2o", "cairn import g2o " + file + " log.h5"};
+    if (!NumbersOf(line, 12).empty())
+      return Recognized{"a trajectory of KITTI's format",
+                        "cairn import kitti " + file + " --times TIMES poses.h5"};
     if (!NumbersOf(line, 4).empty())
       return Recognized{"a trajectory of times and poses in the plane",
                         "cairn import tum " + file + " poses.h5"};

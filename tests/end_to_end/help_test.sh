@@ -99,6 +99,10 @@ printf 'Odometry 0 0 0\nLaser 2 1 1\n' | gzip >inputs/loop5.log.gz
 printf 'O 0 0 0 1\n' | gzip >inputs/robotdata1.log.gz
 mkdir inputs/trajectories
 printf '1 0 0 0 0 0 0 1\n' >inputs/trajectories/robot.tum
+echo '1 0 0 0 0 1 0 0 0 0 1 0' >inputs/00.txt
+echo 0 >inputs/times.txt
+echo '1000,0,0,0,1,0,0,0' >inputs/data.csv
+echo 'EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1' >inputs/graph.g2o
 mkdir inputs/snapshots
 for image in a b; do { printf 'P6 10 10 255 ' && head -c 300 /dev/urandom; } >inputs/snapshots/$image.ppm; done
 printf 'image,time_s,x_m,y_m\na.ppm,1,0,0\nb.ppm,2,1,0\n' >inputs/poses.csv
@@ -121,7 +125,7 @@ runs() {
     line=$(sed "s/--until [0-9-]*/--until $(date -u -d '+1 year' +%F)/" <<<"$line") # an example's date is over one day
     rm -rf here
     cp -r inputs here
-    [[ ! $line =~ simulate\ loop|import\ csv ]] || rm here/log.h5
+    [[ ! $line =~ simulate\ loop|import\ (csv|g2o) ]] || rm here/log.h5
     [[ ! $line =~ --out\ result ]] || rm -r here/result
     (cd here && bash -euo pipefail -c "$line") </dev/null >stdout 2>stderr || die "the example of cairn $* fails: $line"
     ran=$((ran + 1))
@@ -131,7 +135,7 @@ ran=0
 declare -A known=() # commands whose examples were run, or are by another test
 
 runs
-for command in run map simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' 'simulate office' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' 'import pioneer' 'import dpslam' 'import wean' 'import tum' inspect evaluate report pipelines export \
+for command in run map simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' 'simulate office' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' 'import pioneer' 'import dpslam' 'import wean' 'import tum' 'import kitti' 'import euroc' 'import g2o' inspect evaluate report pipelines export \
   'export tum' 'export kitti' 'export euroc' 'export g2o' 'export mcap' 'export geojson' 'export ply' 'export ros' 'export octomap' 'export png' 'export csv' diff keys 'keys allow' 'keys show' 'keys revoke'; do
   read -ra words <<<"$command"
   runs "${words[@]}"

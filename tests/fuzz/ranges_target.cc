@@ -6,8 +6,9 @@
 #include <string_view>
 
 #include "datasets/evaluate/relations.h"
+#include "datasets/import/g2o.h"
 #include "datasets/import/recorded/ranges.h"
-#include "datasets/import/tum.h"
+#include "datasets/import/trajectories.h"
 #include "tests/fuzz/gzip.h"
 #include "tests/fuzz/scratch.h"
 #include "tests/fuzz/targets.h"
@@ -15,7 +16,18 @@
 namespace cairn::fuzz {
 namespace {
 
-enum Reader : std::uint8_t { kDpSlam, kWean, kTum, kRelations, kPioneerPoses, kPioneerSonar, kReaders };
+enum Reader : std::uint8_t {
+  kDpSlam,
+  kWean,
+  kTum,
+  kRelations,
+  kPioneerPoses,
+  kPioneerSonar,
+  kKitti,
+  kEuroc,
+  kG2o,
+  kReaders
+};
 constexpr std::uint8_t kSkipBad = 128, kGzip = 64;
 
 std::string PioneerRow(int values) {
@@ -39,7 +51,7 @@ const ScratchFolder& Pioneer() {
 
 void CheckColumns(const Blob& blob) {
   for (const auto& [name, array] : blob.fields()) {
-    if (array.type() != DType::kF64 || name.ends_with("/range_m")) continue;
+    if (array.type() != DType::kF64 || name.ends_with("/range_m") || name.ends_with("/bearing_rad")) continue;
     const auto values = blob.Get<double>(name);
     CAIRN_DEMAND(std::ranges::all_of(values, [](double v) { return std::isfinite(v); }),
                  name + " is not finite");
@@ -68,7 +80,18 @@ Blob Import(std::uint8_t reader, const std::string& text, bool skip_bad) {
   Blob blob;
   if (reader == kDpSlam) datasets::ImportDpSlam({file.path(), skip_bad, {}}, &blob);
   if (reader == kWean) datasets::ImportWean({file.path(), skip_bad, {}}, &blob);
-  if (reader == kTum) datasets::ImportTum({{file.path()}, {}, skip_bad}, &blob);
+  if (reader == kTum) datasets::ImportTrajectories({{file.path()}, {}, skip_bad}, &blob);
+  if (reader == kKitti || reader == kEuroc) {
+    using Format = datasets::TrajectoryImportOptions::Format;
+    const MemoryFile times("0\n1\n2.5\n");
+    datasets::ImportTrajectories({.files = {file.path()},
+                                  .skip_bad = skip_bad,
+                                  .format = reader == kKitti ? Format::kKitti : Format::kEuroc,
+                                  .times = {times.path()},
+                                  .camera_axes = skip_bad},
+                                 &blob);
+  }
+  if (reader == kG2o) datasets::ImportG2o({.file = file.path(), .skip_bad = skip_bad}, &blob);
   if (reader == kRelations) {
     const datasets::Track track{{0, 1e6}, {{0, 0, 0}, {1, 1, 1}}};
     const auto score = datasets::ScoreRelations(track, datasets::ReadRelations(file.path()), 0);
@@ -98,7 +121,11 @@ std::vector<Bytes> Seeds() {
       "# t\n1 2 3 0 0 0 0 1\n2 3 4 0 0 0 0.6 0.8\n3 1 1 0.5\n",
       "1 2 0.5 -0.1 0 0 0 3.5\n3 4 0 0 0 0 0 0\n",
       "1000 10 20 3599\n",
-      PioneerRow(8)};
+      PioneerRow(8),
+      "1 0 0 0 0 1 0 0 0 0 1 0\n0 0 -1 -2 0 1 0 0 1 0 0 5\n1 0 0 3 0 1 0 0 0 0 1 0\n",
+      "#timestamp, x\n1000,1,2,0,1,0,0,0,nan\n2000000000,1,2,0,0.6,0,0,0.8,nan\n",
+      "VERTEX_SE2 0 0 0 0\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 2 1 1 0 3 1 0 0 1 0 1\n"
+      "EDGE_SE2_XY 1 9 1 2 1 0 1\nEDGE_SE2_XY 2 9 0 0 1 0 1\nEDGE_SE2 0 2 1 1 1 1 0 0 1 0 1\n"};
   std::vector<Bytes> seeds;
   for (std::uint8_t reader = 0; reader < kReaders; ++reader) {
     for (const std::uint8_t flags : {0, 0 + kSkipBad, 0 + kGzip}) {

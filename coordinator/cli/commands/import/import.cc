@@ -3,6 +3,7 @@
 #include "coordinator/cli/output/path.h"
 #include "datasets/import/csv.h"
 #include "datasets/import/errors.h"
+#include "datasets/import/g2o.h"
 #include "datasets/import/images.h"
 #include "datasets/import/recorded/mrclam.h"
 #include "datasets/import/recorded/recorded.h"
@@ -47,6 +48,18 @@ int ImportRecorded(const RecordedOptions& options, const Invocation&) {
   CheckOverwrite(options.out, options.force);
   Blob log;
   const datasets::ImportReport report = Import(options.import, &log);
+  return StoreImport(options, log, report);
+}
+
+struct G2oOptions : ImportOutput {
+  datasets::G2oImportOptions import;
+};
+
+int ImportG2o(const G2oOptions& options, const Invocation&) {
+  CheckOutputIsNoInput(options.out, {options.import.file});
+  CheckOverwrite(options.out, options.force);
+  Blob log;
+  const datasets::ImportReport report = datasets::ImportG2o(options.import, &log);
   return StoreImport(options, log, report);
 }
 
@@ -126,6 +139,20 @@ void AddMrclam(Command import, Invocation& call) {
                   "Do not tell which landmark an observation is of; the truth still does");
   command.AddFlag("--robots-as-clutter", options->import.robots_as_clutter,
                   "Robots that are seen become observations of nothing, instead of observations of robots");
+  AddNoiseOptions(command, options->import.noise);
+  AddOutput(command, *options);
+}
+
+void AddG2o(Command import, Invocation& call) {
+  Command command;
+  const auto options = AddCommand<G2oOptions>(
+      import, call, "g2o", "A pose graph of the plane, as odometry and landmarks (docs/datasets.md)",
+      "cairn import g2o graph.g2o log.h5", ImportG2o, &command);
+  command.Add("GRAPH.g2o", options->import.file, "EDGE_SE2 and EDGE_SE2_XY; plain or gzipped").Required();
+  command
+      .Add("--step-s", options->import.step_s, "Seconds from each pose to the next, as a graph has no times")
+      .Within(1e-6, 1e6)
+      .ShowDefault();
   AddNoiseOptions(command, options->import.noise);
   AddOutput(command, *options);
 }
@@ -212,6 +239,7 @@ void AddImport(Command app, Invocation& call) {
   AddCsv(import, call);
   AddBagImport(import, call);
   AddMrclam(import, call);
+  AddG2o(import, call);
   AddVectors(import, call);
   AddImages(import, call);
   AddErrors(import, call);

@@ -7,7 +7,7 @@
 #include "coordinator/cli/commands/import/parts.h"
 #include "coordinator/cli/output/path.h"
 #include "datasets/import/recorded/carmen.h"
-#include "datasets/import/tum.h"
+#include "datasets/import/trajectories.h"
 #include "schema/error.h"
 
 namespace cairn::cli {
@@ -91,31 +91,59 @@ void AddRanges(Command import, Invocation& call, const char* name, const char* w
   AddOutput(command, *options);
 }
 
-struct TumOptions : ImportOutput {
-  datasets::TumImportOptions import;
+struct TrajectoryOptions : ImportOutput {
+  datasets::TrajectoryImportOptions import;
 };
 
-int ImportTum(const TumOptions& options, const Invocation&) {
+int ReadTrajectories(const TrajectoryOptions& options, const Invocation&) {
   CheckOutputIsNoInput(options.out, options.import.files);
+  CheckOutputIsNoInput(options.out, options.import.times);
   CheckOverwrite(options.out, options.force);
   Blob poses;
-  const datasets::ImportReport report = datasets::ImportTum(options.import, &poses);
+  const datasets::ImportReport report = datasets::ImportTrajectories(options.import, &poses);
   return StoreImport(options, poses, report, "poses");
 }
 
-void AddTum(Command import, Invocation& call) {
+struct TrajectoryFormat {
+  datasets::TrajectoryImportOptions::Format format;
+  const char* name;
+  const char* help;
+  const char* lines;
+  const char* example;
+};
+
+constexpr TrajectoryFormat kTrajectoryFormats[] = {
+    {datasets::TrajectoryImportOptions::Format::kTum, "tum",
+     "Trajectories, a file a robot, as a table of poses",
+     "Lines of 'time x y z qx qy qz qw' (as evo reads them) or 'time x y heading'; plain or gzipped",
+     "cairn import tum trajectories/robot.tum poses.h5"},
+    {datasets::TrajectoryImportOptions::Format::kKitti, "kitti", "The same of KITTI's, with files of times",
+     "Lines of 12 numbers, the upper three rows of a pose's matrix; plain or gzipped",
+     "cairn import kitti 00.txt --times times.txt --camera-axes poses.h5"},
+    {datasets::TrajectoryImportOptions::Format::kEuroc, "euroc", "The same of EuRoC's",
+     "CSV of nanoseconds, position, quaternion (w first), and more that is not looked at; plain or gzipped",
+     "cairn import euroc data.csv --robot robot poses.h5"},
+};
+
+void AddTrajectories(Command import, Invocation& call, const TrajectoryFormat& format) {
   Command command;
-  const auto options =
-      AddCommand<TumOptions>(import, call, "tum", "Trajectories, a file a robot, as a table of poses",
-                             "cairn import tum trajectories/robot.tum poses.h5", ImportTum, &command);
+  const auto options = AddCommand<TrajectoryOptions>(import, call, format.name, format.help, format.example,
+                                                     ReadTrajectories, &command);
+  options->import.format = format.format;
   command.PlaceByChecks();  // by their endings: any number of trajectories, then the file to write
-  command
-      .Add("FILE", options->import.files,
-           "Lines of 'time x y z qx qy qz qw' (as evo reads them) or 'time x y heading'; plain or gzipped")
-      .Required()
-      .Check([](const std::string& name) { return name.ends_with(".h5") ? "a trajectory is a text" : ""; });
+  command.Add("FILE", options->import.files, format.lines).Required().Check([](const std::string& name) {
+    return name.ends_with(".h5") ? "a trajectory is a text" : "";
+  });
   command.Add("--robot", options->import.robots,
               "The robot's name, as the log has it (again: of each file; else named after the files)");
+  if (format.format == datasets::TrajectoryImportOptions::Format::kKitti) {
+    command
+        .Add("--times", options->import.times, "The poses' times, seconds, a line each (again: of each FILE)")
+        .OneEachTime()
+        .Required();
+    command.AddFlag("--camera-axes", options->import.camera_axes,
+                    "Poses are a camera's, as KITTI's own: x to the right, y down, z ahead. Else z is up");
+  }
   AddOutput(command, *options);
 }
 
@@ -130,7 +158,7 @@ void AddRangeImports(Command import, Invocation& call) {
                                     "cairn import dpslam loop5.log.gz loop5.h5");
   AddRanges<datasets::ImportWean>(import, call, "wean", "Laser logs of Wean Hall (docs/datasets.md)", "LOG",
                                   "cairn import wean robotdata1.log.gz wean1.h5");
-  AddTum(import, call);
+  for (const TrajectoryFormat& format : kTrajectoryFormats) AddTrajectories(import, call, format);
 }
 
 }  // namespace cairn::cli

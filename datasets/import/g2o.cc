@@ -1,0 +1,138 @@
+#include "datasets/import/g2o.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "datasets/common/fields.h"
+#include "datasets/import/name_index.h"
+#include "datasets/import/pose_controls.h"
+#include "schema/error.h"
+
+namespace cairn::datasets {
+namespace {
+
+// Another number than poses have that are counted.
+constexpr std::size_t kMostNumber = std::size_t{1} << 40;
+
+struct Sighting {
+  std::size_t landmark = 0;
+  Point at;  // as the pose sees it
+  std::size_t line = 0;
+};
+
+Pose Inverse(const Pose& pose) { return Between(pose, Pose{}); }
+
+class G2oImport {
+ public:
+  explicit G2oImport(const G2oImportOptions& options) : options_(options), bad_(options.skip_bad) {}
+
+  ImportReport Run(Blob* log) {
+    CheckNoise(options_.noise);
+    if (!(options_.step_s > 0)) throw InputError("a step from pose to pose takes more than 0 s");
+    ForEachLine(options_.file, &bad_, [&](const Fields& line, std::size_t number) { Read(line, number); });
+    if (steps_.empty())
+      throw InputError(options_.file +
+                       ": there is no EDGE_SE2 between poses whose numbers follow each other");
+    rows_.noise = options_.noise;
+    for (auto step = steps_.begin(); step != steps_.end();) step = AddRobot(step);
+    for (const auto& [pose, seen] : seen_)
+      report_.dropped["observation from a pose without odometry"] += static_cast<std::int64_t>(seen.size());
+    NumberLandmarks();
+    report_.skipped = bad_.counts();
+    *log = MakeLog(rows_, options_.file, &report_);
+    return report_;
+  }
+
+ private:
+  using Steps = std::map<std::size_t, std::pair<Pose, std::size_t>>;  // by the pose before: motion, line
+
+  void Read(const Fields& line, std::size_t number) {
+    const std::string_view tag = line.Text(0);
+    if (tag.find("SE3") != std::string_view::npos || tag.find("XYZ") != std::string_view::npos)
+      throw InputError(options_.file + ":" + std::to_string(number) + ": " + std::string(tag) +
+                       ": a graph of three dimensions, and a log is of the plane");
+    if (tag == "EDGE_SE2") return ReadStep(line, number);
+    if (tag == "EDGE_SE2_XY") return ReadSighting(line, number);
+    if (tag.starts_with("EDGE"))
+      ++report_.dropped["edge of another kind"];
+    else if (!tag.starts_with("VERTEX") && tag != "FIX" && !tag.starts_with("PARAMS"))
+      throw UnknownMessage(tag);
+  }
+
+  void ReadStep(const Fields& line, std::size_t number) {
+    const std::size_t from = line.Count(1, kMostNumber), to = line.Count(2, kMostNumber);
+    const Pose motion = line.PoseAt(3);
+    const bool forward = to == from + 1;
+    const bool is_step = forward || from == to + 1;
+    if (is_step && steps_.try_emplace(std::min(from, to), forward ? motion : Inverse(motion), number).second)
+      return;
+    ++report_.dropped["loop between two poses"];
+  }
+
+  void ReadSighting(const Fields& line, std::size_t number) {
+    const std::size_t from = line.Count(1, kMostNumber), landmark = line.Count(2, kMostNumber);
+    const Point at{line.Place(3), line.Place(4)};
+    const auto wrong = FindMisreading(std::hypot(at.x_m, at.y_m), std::atan2(at.y_m, at.x_m), options_.noise);
+    if (wrong) throw LineError{wrong->reason, wrong->detail};
+    seen_[from].push_back({landmark, at, number});
+  }
+
+  // Of the poses that follow `step`'s without a gap. Returns the first step behind them.
+  Steps::iterator AddRobot(Steps::iterator step) {
+    constexpr std::size_t kMostRobots = 1000;
+    if (rows_.robots.size() == kMostRobots)
+      throw InputError(options_.file + ": more than 1000 times a pose does not follow the one before it");
+    RobotRows& robot = rows_.robots.emplace_back();
+    robot.name = "robot " + std::to_string(rows_.robots.size() - 1);
+    robot.odometry_poses.from.file = robot.observations.from.file = options_.file;
+    std::size_t at = step->first;
+    Pose pose;
+    AddPose(at, pose, step->second.second, &robot);
+    for (; step != steps_.end() && step->first == at; ++step) {
+      pose = Compose(pose, step->second.first);
+      AddPose(++at, pose, step->second.second, &robot);
+    }
+    robot.odometry = ControlsOf(TrackOf(robot.odometry_poses));
+    return step;
+  }
+
+  void AddPose(std::size_t number, const Pose& pose, std::size_t line, RobotRows* robot) {
+    const double time_s = static_cast<double>(number - steps_.begin()->first) * options_.step_s;
+    robot->odometry_poses.Add(time_s, pose.x_m, pose.y_m, pose.heading_rad, line);
+    const auto seen = seen_.find(number);
+    if (seen == seen_.end()) return;
+    Observations& rows = robot->observations;
+    for (const Sighting& s : seen->second) {
+      const std::int32_t landmark = landmarks_.FindOrAdd(std::to_string(s.landmark));
+      const bool contact = s.at.x_m == 0 && s.at.y_m == 0;
+      rows.Add(time_s, landmark, contact ? NAN : std::hypot(s.at.x_m, s.at.y_m),
+               contact ? NAN : std::atan2(s.at.y_m, s.at.x_m));
+      rows.from.line.push_back(s.line);
+    }
+    seen_.erase(seen);
+  }
+
+  // By their numbers.
+  void NumberLandmarks() {
+    const std::vector<std::int32_t> number_of = landmarks_.Sort();
+    rows_.landmarks = landmarks_.names();
+    for (RobotRows& robot : rows_.robots)
+      for (std::int32_t& landmark : robot.observations.landmark)
+        landmark = number_of[static_cast<std::size_t>(landmark)];
+  }
+
+  const G2oImportOptions& options_;
+  BadLines bad_;
+  ImportReport report_;
+  LogRows rows_;
+  Steps steps_;
+  std::map<std::size_t, std::vector<Sighting>> seen_;  // by the pose that sees
+  NameIndex landmarks_;
+};
+
+}  // namespace
+
+ImportReport ImportG2o(const G2oImportOptions& options, Blob* log) { return G2oImport(options).Run(log); }
+
+}  // namespace cairn::datasets
