@@ -93,6 +93,7 @@ Outcome RunLog(std::span<const std::uint8_t> bytes) {
     accepted = fits && Accepts([&] {
                  Ignore(datasets::ExportCsv(log, Folder()));
                  Ignore(datasets::ExportTum(log, Folder()));
+                 Ignore(datasets::ExportMcap(log, Folder()));
                  Ignore(datasets::ExportG2o(*good.result, &log, Folder()));
                });
   return accepted ? Outcome::kAccepted : Outcome::kRefused;
@@ -114,9 +115,13 @@ Outcome RunResult(std::span<const std::uint8_t> bytes) {
     accepted = Accepts([&] {
       Ignore(datasets::ExportCsv(result, Folder()));
       Ignore(datasets::ExportTum(result, Folder()));
+      Ignore(datasets::ExportEuroc(result, Folder()));
+      Ignore(datasets::ExportPly(result, Folder()));
+      Ignore(datasets::ExportGeojson(result, {48, 11, 30}, Folder()));
       for (const auto mode :
            {datasets::RosMode::kTrinary, datasets::RosMode::kScale, datasets::RosMode::kRaw})
         Ignore(datasets::ExportRos(result, Folder(), true, mode));
+      Ignore(datasets::ExportMcap(result, Folder()));
       Ignore(datasets::ExportOctomap(result, Folder()));
       Ignore(datasets::ExportG2o(result, good.log.get(), Folder()));
     });
