@@ -161,6 +161,18 @@ class Parser {
   int depth_ = 0;
 };
 
+void AddPaths(const Definition& definition, const Type& type, const std::string& before,
+              std::vector<std::string>* paths) {
+  constexpr std::size_t kMostPaths = 100;
+  for (const Field& field : type.fields) {
+    if (paths->size() == kMostPaths) return;
+    if (field.base == Base::kStruct)
+      AddPaths(definition, definition.types[field.type], before + field.name + ".", paths);
+    else if (field.base != Base::kWideString)
+      paths->push_back(before + field.name);
+  }
+}
+
 }  // namespace
 
 std::size_t SizeOf(Base base) {
@@ -188,6 +200,12 @@ std::size_t SizeOf(Base base) {
 
 Definition ParseDefinition(const std::string& type, std::string_view text) {
   return Parser(type, text).Take();
+}
+
+std::vector<std::string> FieldPaths(const Definition& definition) {
+  std::vector<std::string> paths;
+  AddPaths(definition, definition.types.front(), "", &paths);
+  return paths;
 }
 
 }  // namespace cairn::datasets::bag

@@ -52,6 +52,9 @@ struct Definition {
 // text does not define, one that holds itself, more than 1 MiB of text, 1,000 types or 10,000 fields.
 Definition ParseDefinition(const std::string& type, std::string_view text);
 
+// Of what MessageReader finds: numbers and texts, also those in sequences; a hundred at the most.
+std::vector<std::string> FieldPaths(const Definition& definition);
+
 // Of types that Cairn reads, as ROS 2 defines them, for bags that carry none (rosbag2 before Iron); empty
 // where it is none of them.
 std::string_view KnownDefinition(std::string_view type);

@@ -10,6 +10,7 @@
 
 #include "datasets/bag/container.h"
 #include "datasets/bag/definition.h"
+#include "datasets/bag/landmark_readers.h"
 #include "datasets/bag/place_sensors.h"
 #include "datasets/bag/readers.h"
 #include "schema/error.h"
@@ -111,7 +112,8 @@ class BagImport {
     ChooseOdometry();
     for (const Topic& topic : topics_)
       if (topic.use != nullptr && topic.use->use == Use::kTransforms)
-        Add(topic, bag::ReadTransforms(&gathered_.frames));
+        Add(topic,
+            bag::ReadTransforms(topic.name.ends_with("tf_static"), &gathered_.frames, &gathered_.followed));
     ChooseScans(Use::kScan, "--scan", options_.scans);
     ChooseScans(Use::kCone, "--sonar", options_.sonars);
     for (const auto& [option, name, rows] : {std::tuple{"--truth", &options_.truth, &gathered_.truth},
@@ -120,12 +122,38 @@ class BagImport {
       const Topic& topic = bag::FindTopic(topics_, *name, {Use::kPose, Use::kOdometry}, option);
       Add(topic, bag::ReadPoses(topic.type, rows));
     }
-    for (const std::string& name : options_.landmarks) {
-      const Topic& topic = bag::FindTopic(topics_, name, {Use::kLandmarks}, "--landmarks");
-      Add(topic, bag::ReadLandmarks(topic.type, &gathered_.landmarks));
+    for (const std::string& text : options_.landmarks) ChooseLandmarks(bag::ParseLandmarkSource(text));
+  }
+
+  void ChooseLandmarks(const bag::LandmarkSource& source) {
+    if (!source.beginning.empty()) {
+      gathered_.followed.beginnings.push_back(source.beginning);
+      return;
     }
   }
 
+    const Topic& topic = bag::FindTopic(topics_, source.topic, {}, "--landmarks");
+    if (!source.fields.empty()) return Add(topic, bag::ReadLandmarkFields(source, &gathered_.landmarks));
+    if (topic.use == nullptr || topic.use->use != Use::kLandmarks)
+      throw InputError("--landmarks " + topic.name + ": that topic is of " + topic.type +
+                       ", whose fields are to be named: --landmarks " + topic.name +
+                       ":range=FIELD,bearing=FIELD or x=, y=, each with id= (docs/bags.md); it has " +
+                       FieldsOf(topic));
+    Add(topic, bag::ReadLandmarks(topic.type, &gathered_.landmarks, &gathered_.tags));
+    gathered_.followed.with_tags = true;
+  }
+
+  std::string FieldsOf(const Topic& topic) const {
+    constexpr std::size_t kMostShown = 30;
+    for (const auto& one : bags_)
+      for (const bag::Channel& channel : one->channels())
+        if (channel.topic == topic.name && channel.type == topic.type && !DefinitionOf(channel).empty()) try {
+            return NameList(bag::FieldPaths(bag::ParseDefinition(channel.type, DefinitionOf(channel))),
+                            kMostShown);
+          } catch (const bag::Damage& damage) {
+            return damage.what;
+          }
+    return "a definition that the file does not carry";
   void ChooseOdometry() {
     gathered_.odometry_topic = options_.odometry;
     if (options_.odometry == "tf") return;
@@ -196,16 +224,20 @@ class BagImport {
     if (channel.wire == bag::Wire::kOther)
       throw bag::Damage{"messages encoded as '" + Printable(channel.encoding, 40) +
                         "'; known are ros1 and cdr"};
-    std::string_view text = channel.definition;
-    if (text.empty()) text = bag::KnownDefinition(channel.type);
+    const std::string_view text = DefinitionOf(channel);
     if (text.empty())
       throw bag::Damage{"the file does not say what a " + channel.type +
                         " is made of, as those of ROS 2 before Iron do not, and Cairn does not know it"};
     const std::vector<std::string> paths = topic.paths();
-    auto reader =
-        std::make_unique<bag::MessageReader>(bag::ParseDefinition(channel.type, text), channel.wire, paths);
-    for (std::size_t i = 0; i < topic.needed(); ++i)
-      if (!reader->Has(i)) throw bag::Damage{"its " + channel.type + " has no field '" + paths[i] + "'"};
+    const bag::Definition definition = bag::ParseDefinition(channel.type, text);
+    auto reader = std::make_unique<bag::MessageReader>(definition, channel.wire, paths);
+    for (std::size_t i = 0; i < topic.needed(); ++i) {
+      if (reader->Has(i)) continue;
+      const std::string missing = "its " + channel.type + " has no field '" + paths[i] + "'";
+      if (!topic.fields_are_named()) throw bag::Damage{missing};
+      throw InputError(channel.topic + ": " + missing +
+                       "; the nearest: " + bag::NearestNames(bag::FieldPaths(definition), paths[i]));
+    }
     return reader;
   }
 
@@ -231,6 +263,11 @@ class BagImport {
     TopicInHand& topic = *channel->topic;
     last_topic_ = &topic;
     last_number_ = message.number;
+  static std::string_view DefinitionOf(const bag::Channel& channel) {
+    return channel.definition.empty() ? bag::KnownDefinition(channel.type)
+                                      : std::string_view(channel.definition);
+  }
+
     try {
       topic.reader->Take(channel->reader->Read(message.bytes), message, &topic.clock);
       ++topic.taken;

@@ -21,7 +21,7 @@ struct BagImportOptions {
   std::vector<std::string> scans, sonars;
   // Only where they are named: a pose may be where somebody wants the robot to go.
   std::string truth, poses;
-  std::vector<std::string> landmarks;
+  std::vector<std::string> landmarks;     // "TOPIC", "TOPIC:x=FIELD,y=FIELD", … (landmark_readers.h)
   std::string base;                       // the robot's frame; empty: that of the odometry
   std::map<std::string, Pose> mounts;     // where a sensor sits on the robot, by topic or frame; else by tf
   bool by_receipt = false;                // times are the recorder's, not those of the messages' headers
@@ -31,7 +31,7 @@ struct BagImportOptions {
 // Writes a `log` (schema/FORMAT.md) of one robot. Lasers are `laser`, `laser2`, … in the order of `scans`;
 // all sonars one ring `sonar` (infra-red sensors: `infrared`), a scan of which is what its sensors said in
 // turn, at the time of the last of them. Poses are those of the odometry's topic, or of the frame that moves
-// on "odom". Sensors sit where tf says. Markers become observations of landmarks with identity. Throws
+// on "odom". Sensors sit where tf says. Markers become observations of landmarks. Throws
 // InputError that names the file, the topic and the message's number among its topic's: a file that is no
 // bag, or cut off; a topic that is not there, or of another type; several topics that would serve; a
 // definition that has not what is needed, a message that does not match it; no finite pose; no time in a

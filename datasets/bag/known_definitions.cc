@@ -56,6 +56,11 @@ constexpr std::array kKnown = {
     Known{"sensor_msgs/JointState",
           "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\n"
           "float64[] effort\n"},
+    // apriltag_msgs 2: its Point is two float64.
+    Known{"apriltag_msgs/AprilTagDetection",
+          "string family\nint32 id\nint32 hamming\nfloat32 goodness\nfloat32 decision_margin\n"
+          "float64[2] centre\nfloat64[8] corners\nfloat64[9] homography\n"},
+    Known{"apriltag_msgs/AprilTagDetectionArray", "std_msgs/Header header\nAprilTagDetection[] detections\n"},
     Known{"tf2_msgs/TFMessage", "geometry_msgs/TransformStamped[] transforms\n"},
 };
 

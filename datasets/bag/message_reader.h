@@ -17,6 +17,7 @@ struct Found {
   std::vector<double> numbers;  // times in seconds; of a path that ends at a sequence of structs its length
   std::vector<std::string_view> texts;
   ByteSpan bytes;  // of arrays of single bytes, which are in no `numbers`
+  std::size_t size() const { return numbers.size() + texts.size() + bytes.size(); }
 };
 
 class MessageReader {

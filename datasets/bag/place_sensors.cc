@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "datasets/bag/landmark_readers.h"
 #include "schema/error.h"
 #include "schema/text.h"
 
@@ -40,6 +41,8 @@ class BagLog {
     // Topics come one after the other; MakeRangeLog wants them in the order of time, as far as that goes.
     std::ranges::stable_sort(ranges_.events, {}, &RangeEvent::stamp_s);
     BadLines none(true);
+    PlaceTags(in_.path, std::move(in_.tags), in_.followed.tags, &in_.landmarks, &report_);
+    for (const FrameSighting& frame : in_.followed.seen) in_.landmarks.push_back(frame.seen);
     return MakeRangeLog(std::move(ranges_), in_.noise, &none, std::move(report_), log);
   }
 

@@ -25,6 +25,8 @@ struct Gathered {
   std::vector<Sighting> landmarks;
   std::vector<Topic> topics;  // all that there are
 };
+  std::vector<FrameSighting> tags;  // detections of tags that are where their frames are
+  FollowedFrames followed;
 
 // As ImportBag says (import_bag.h).
 ImportReport MakeBagLog(Gathered gathered, ImportReport report, Blob* log);

@@ -12,11 +12,6 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-double OneOf(const Found& found) { return found.numbers.empty() ? 0 : found.numbers.front(); }
-std::string TextIn(const Found& found) {
-  return found.texts.empty() ? std::string() : std::string(found.texts.front());
-}
-
 // Seven paths of a pose below `at`, in the order of MakeTransform.
 std::vector<std::string> PosePaths(const std::string& at, const std::string& position,
                                    const std::string& rotation) {
@@ -61,8 +56,8 @@ class OdometryReader : public TopicReader {
     const std::vector<double>& covariance = found[kPosePaths + 3].numbers;
     const double variance = covariance.size() == kVariances ? covariance[kYaw] : 0;
     if (rows_.poses.empty()) {
-      rows_.frame = FrameName(TextIn(found[kPosePaths + 1]));
-      rows_.base = FrameName(TextIn(found[kPosePaths + 2]));
+      rows_.frame = FrameName(FirstText(found[kPosePaths + 1]));
+      rows_.base = FrameName(FirstText(found[kPosePaths + 2]));
       rows_.first_variance = variance;
     }
     rows_.last_variance = variance;
@@ -85,7 +80,7 @@ class VelocityReader : public TopicReader {
   std::size_t needed() const override { return at_.empty() ? 3 : 4; }
   void Take(const std::vector<Found>& found, const Message& message, TopicClock* clock) override {
     constexpr double kMost = 1e3;
-    const double ahead = OneOf(found[0]), aside = OneOf(found[1]), turn = OneOf(found[2]);
+    const double ahead = FirstNumber(found[0]), aside = FirstNumber(found[1]), turn = FirstNumber(found[2]);
     if (!(std::abs(ahead) < kMost && std::abs(aside) < kMost && std::abs(turn) < kMost))
       throw LineError{"no velocity", std::to_string(ahead) + " " + std::to_string(aside) + " m/s, " +
                                          std::to_string(turn) + " rad/s"};
@@ -114,7 +109,8 @@ class VelocityReader : public TopicReader {
 
 class TransformReader : public TopicReader {
  public:
-  explicit TransformReader(FrameTree* frames) : frames_(*frames) {}
+  TransformReader(bool are_static, FrameTree* frames, FollowedFrames* followed)
+      : are_static_(are_static), frames_(*frames), followed_(*followed) {}
   std::vector<std::string> paths() const override {
     std::vector<std::string> paths = PosePaths("transforms.transform.", "translation", "rotation");
     for (const char* path :
@@ -130,12 +126,31 @@ class TransformReader : public TopicReader {
     for (std::size_t i = 0; i < std::min({stamps.size(), parents.size(), children.size()}); ++i) {
       const Transform transform = TransformIn(found, 0, i);
       // A static transform holds at all times, and may have none.
-      const double stamp_s = clock->TransformTime(stamps[i], message.receive_ns);
-      frames_.Add(FrameName(parents[i]), FrameName(children[i]), stamp_s, transform);
     }
   }
 
  private:
+      const double stamp_s = clock->TransformTime(stamps[i], message.receive_ns);
+      const std::string child = FrameName(children[i]);
+      Follow(child, FrameName(parents[i]), transform, stamps[i], message.number, clock->WithinPath(stamp_s));
+      frames_.Add(FrameName(parents[i]), child, stamp_s, transform);
+  void Follow(const std::string& child, const std::string& parent, const Transform& transform, double stamp_s,
+              std::size_t number, const std::optional<double>& time_s) {
+    if (are_static_ || !time_s) return;
+    const Sighting seen{*time_s, number, child, {transform.x, transform.y, transform.z}, parent};
+    if (followed_.with_tags && IsTag(child)) followed_.tags.push_back({stamp_s, seen});
+    if (std::ranges::any_of(followed_.beginnings, [&](const auto& b) { return child.starts_with(b); }))
+      followed_.seen.push_back({stamp_s, seen});
+  }
+  // "tag36h11:7".
+  static bool IsTag(std::string_view frame) {
+    const std::size_t colon = frame.find(':');
+    return colon != std::string_view::npos && colon + 1 < frame.size() &&
+           frame.find_first_not_of("0123456789", colon + 1) == std::string_view::npos;
+  FollowedFrames& followed_;
+  }
+
+  bool are_static_;
   FrameTree& frames_;
 };
 
@@ -155,10 +170,10 @@ class ScanReader : public TopicReader {
   std::size_t needed() const override { return 5; }
   void Take(const std::vector<Found>& found, const Message& message, TopicClock* clock) override {
     const std::vector<double>& ranges = found[0].numbers;
-    const double first = OneOf(found[1]), step = OneOf(found[2]), reach = OneOf(found[3]);
+    const double first = FirstNumber(found[1]), step = FirstNumber(found[2]), reach = FirstNumber(found[3]);
     const auto time_s = clock->At(found[4].numbers, message.receive_ns);
     if (!time_s) return;
-    if (has_echoes_ && OneOf(found[7]) != static_cast<double>(ranges.size()))
+    if (has_echoes_ && FirstNumber(found[7]) != static_cast<double>(ranges.size()))
       throw LineError{"beams of other than one echo", "take the topic of first echoes as LaserScan"};
     if (topic_.events.empty() && topic_.beams == 0) Begin(first, step, reach, ranges.size(), found[6]);
     if (ranges.size() != topic_.beams)
@@ -172,7 +187,7 @@ class ScanReader : public TopicReader {
     event.stamp_s = *time_s;
     event.range_m = ranges;
     // REP 117: nearer than the least range is no reading, NaN none, infinity nothing within reach.
-    const double least = OneOf(found[5]);
+    const double least = FirstNumber(found[5]);
     for (double& range : event.range_m)
       if (!(range >= least)) range = kNone;
     topic_.events.push_back(std::move(event));
@@ -188,7 +203,7 @@ class ScanReader : public TopicReader {
     if (beams == 0 || beams > kMostBeams) throw LineError{"no scan", std::to_string(beams) + " beams"};
     if (!(reach > 0 && reach <= 1e4))
       throw LineError{"no reach", "range_max " + std::to_string(reach) + " m"};
-    topic_.frame = FrameName(TextIn(frame));
+    topic_.frame = FrameName(FirstText(frame));
     topic_.first_rad = first;
     topic_.step_rad = step;
     topic_.max_range_m = reach;
@@ -208,7 +223,7 @@ class ConeReader : public TopicReader {
   }
   std::size_t needed() const override { return 5; }
   void Take(const std::vector<Found>& found, const Message& message, TopicClock* clock) override {
-    const double reach = OneOf(found[1]), opening = OneOf(found[2]);
+    const double reach = FirstNumber(found[1]), opening = FirstNumber(found[2]);
     const auto time_s = clock->At(found[4].numbers, message.receive_ns);
     if (!time_s) return;
     if (topic_.beams == 0) {
@@ -216,17 +231,17 @@ class ConeReader : public TopicReader {
         throw LineError{"no reach", "max_range " + std::to_string(reach) + " m"};
       if (!(opening >= 0 && opening < 7))
         throw LineError{"no cone", "field_of_view " + std::to_string(opening) + " rad"};
-      topic_.frame = FrameName(TextIn(found[6]));
+      topic_.frame = FrameName(FirstText(found[6]));
       topic_.max_range_m = reach;
       topic_.opening_rad = opening;
-      topic_.is_infrared = OneOf(found[3]) == 1;
+      topic_.is_infrared = FirstNumber(found[3]) == 1;
       topic_.beams = 1;
     }
     RangeEvent event;
     event.line = message.number;
     event.stamp_s = *time_s;
-    const double range = OneOf(found[0]);
-    event.range_m = {range >= OneOf(found[5]) ? range : kNone};
+    const double range = FirstNumber(found[0]);
+    event.range_m = {range >= FirstNumber(found[5]) ? range : kNone};
     topic_.events.push_back(std::move(event));
   }
 
@@ -274,66 +289,6 @@ class PoseReader : public TopicReader {
   bool is_path_ = false, is_transform_ = false;
 };
 
-// Where a type of detections has what it says of each.
-struct MarkerType {
-  std::string_view type, each, id, position;
-};
-constexpr MarkerType kMarkerTypes[] = {
-    {"apriltag_ros/AprilTagDetectionArray", "detections", "detections.id",
-     "detections.pose.pose.pose.position"},
-    {"ar_track_alvar_msgs/AlvarMarkers", "markers", "markers.id", "markers.pose.pose.position"},
-    {"aruco_msgs/MarkerArray", "markers", "markers.id", "markers.pose.pose.position"},
-    {"fiducial_msgs/FiducialTransformArray", "transforms", "transforms.fiducial_id",
-     "transforms.transform.translation"},
-    {"vision_msgs/Detection3DArray", "detections", "detections.id", "detections.bbox.center.position"},
-};
-
-class MarkerReader : public TopicReader {
- public:
-  MarkerReader(const std::string& type, std::vector<Sighting>* rows)
-      : type_(*std::ranges::find(kMarkerTypes, std::string_view(type), &MarkerType::type)), rows_(*rows) {}
-  std::vector<std::string> paths() const override {
-    const std::string position(type_.position);
-    return {std::string(type_.each), std::string(type_.id), position + ".x", position + ".y", position + ".z",
-            "header.stamp", "header.frame_id", std::string(type_.each) + ".header.frame_id",
-            // ar_track_alvar leaves the array's own header empty.
-            std::string(type_.each) + ".header.stamp"};
-  }
-  std::size_t needed() const override { return 6; }
-  void Take(const std::vector<Found>& found, const Message& message, TopicClock* clock) override {
-    const auto count = static_cast<std::size_t>(OneOf(found[0]));
-    if (count == 0) return;
-    const Found& id = found[1];
-    if (id.numbers.size() + id.texts.size() != count)
-      throw LineError{"markers of other than one number", "bundles of tags are not landmarks"};
-    std::vector<double> stamp = found[5].numbers;
-    if (OneOf(found[5]) == 0 && !found[8].numbers.empty()) stamp = {found[8].numbers.front()};
-    const auto time_s = clock->At(stamp, message.receive_ns);
-    if (!time_s) return;
-    for (std::size_t i = 0; i < count; ++i) {
-      Sighting seen{*time_s, message.number, {}, {At(found[2], i), At(found[3], i), At(found[4], i)}, {}};
-      seen.name = id.texts.empty() ? NumberName(id.numbers[i]) : Printable(std::string(id.texts[i]), 100);
-      seen.frame = FrameName(TextIn(found[6]));
-      if (seen.frame.empty() && i < found[7].texts.size()) seen.frame = FrameName(found[7].texts[i]);
-      if (!(std::hypot(seen.point.x, seen.point.y, seen.point.z) < 1e4))
-        throw LineError{"no place of a marker", "marker " + seen.name};
-      rows_.push_back(std::move(seen));
-    }
-  }
-
- private:
-  static std::string NumberName(double id) {
-    if (!(std::abs(id) < 1e15)) throw LineError{"no number of a marker", std::to_string(id)};
-    return std::to_string(static_cast<std::int64_t>(id));
-  }
-  static double At(const Found& found, std::size_t i) {
-    if (i >= found.numbers.size()) throw LineError{"markers without a place each", ""};
-    return found.numbers[i];
-  }
-  const MarkerType& type_;
-  std::vector<Sighting>& rows_;
-};
-
 }  // namespace
 
 std::optional<double> TopicClock::At(const std::vector<double>& header, std::int64_t receive_ns) {
@@ -369,8 +324,8 @@ std::unique_ptr<TopicReader> ReadOdometry(OdometryRows* rows) {
 std::unique_ptr<TopicReader> ReadVelocity(const std::string& type, OdometryRows* rows) {
   return std::make_unique<VelocityReader>(type, rows);
 }
-std::unique_ptr<TopicReader> ReadTransforms(FrameTree* frames) {
-  return std::make_unique<TransformReader>(frames);
+std::unique_ptr<TopicReader> ReadTransforms(bool are_static, FrameTree* frames, FollowedFrames* followed) {
+  return std::make_unique<TransformReader>(are_static, frames, followed);
 }
 std::unique_ptr<TopicReader> ReadScans(const std::string& type, ScanTopic* topic) {
   if (type == "sensor_msgs/Range") return std::make_unique<ConeReader>(topic);
@@ -378,9 +333,6 @@ std::unique_ptr<TopicReader> ReadScans(const std::string& type, ScanTopic* topic
 }
 std::unique_ptr<TopicReader> ReadPoses(const std::string& type, std::vector<PoseRow>* rows) {
   return std::make_unique<PoseReader>(type, rows);
-}
-std::unique_ptr<TopicReader> ReadLandmarks(const std::string& type, std::vector<Sighting>* rows) {
-  return std::make_unique<MarkerReader>(type, rows);
 }
 
 }  // namespace cairn::datasets::bag

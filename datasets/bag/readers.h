@@ -56,9 +56,23 @@ struct ScanTopic {
 struct Sighting {
   double time_s = 0;
   std::size_t number = 0;
-  std::string name;
+  std::string name;    // empty: not known
   PointInSpace point;  // in `frame`
   std::string frame;
+};
+
+// The place of a frame in tf whose name is that of a landmark, or a detection that stands for one.
+struct FrameSighting {
+  double stamp_s = 0;  // by the header
+  Sighting seen;
+};
+
+// Which frames of tf are landmarks, and where they were.
+struct FollowedFrames {
+  std::vector<std::string> beginnings;  // of their names
+  std::vector<FrameSighting> seen;
+  bool with_tags = false;  // those of apriltag_ros too, as "tag36h11:7"
+  std::vector<FrameSighting> tags;
 };
 
 // A pose of a topic, in the order of messages.
@@ -68,12 +82,20 @@ struct PoseRow {
   Pose pose;
 };
 
+// 0, or nothing, where there is none.
+inline double FirstNumber(const Found& found) { return found.numbers.empty() ? 0 : found.numbers.front(); }
+inline std::string FirstText(const Found& found) {
+  return found.texts.empty() ? std::string() : std::string(found.texts.front());
+}
+
 class TopicReader {
  public:
   virtual ~TopicReader() = default;
   // Those that are needed first.
   virtual std::vector<std::string> paths() const = 0;
   virtual std::size_t needed() const = 0;
+  // Whether somebody named the paths: then there is no doing without them.
+  virtual bool fields_are_named() const { return false; }
   // Throws LineError where the message cannot be used.
   virtual void Take(const std::vector<Found>& found, const Message& message, TopicClock* clock) = 0;
 };
@@ -88,12 +110,11 @@ struct OdometryRows {
 std::unique_ptr<TopicReader> ReadOdometry(OdometryRows* rows);
 // Of kVelocity: poses that follow from it, each velocity holding until the next one.
 std::unique_ptr<TopicReader> ReadVelocity(const std::string& type, OdometryRows* rows);
-std::unique_ptr<TopicReader> ReadTransforms(FrameTree* frames);
+// `are_static`: they hold at all times, and are no sightings.
+std::unique_ptr<TopicReader> ReadTransforms(bool are_static, FrameTree* frames, FollowedFrames* followed);
 // Of kScan and kCone.
 std::unique_ptr<TopicReader> ReadScans(const std::string& type, ScanTopic* topic);
 // Of kPose and kOdometry; of a path that grows from message to message its last state counts.
 std::unique_ptr<TopicReader> ReadPoses(const std::string& type, std::vector<PoseRow>* rows);
-// Of kLandmarks.
-std::unique_ptr<TopicReader> ReadLandmarks(const std::string& type, std::vector<Sighting>* rows);
 
 }  // namespace cairn::datasets::bag

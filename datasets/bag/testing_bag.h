@@ -93,16 +93,28 @@ inline std::string TransformMessage(Encoder::To to, double stamp_s, const std::s
   return out.Doubles({0, 0, s, c}).text();
 }
 
+// As apriltag_ros of ROS 2 has it: where in the image tags of 36h11 are.
+inline std::string TagsMessage(Encoder::To to, double stamp_s, const std::vector<int>& ids) {
+  Encoder out(to);
+  out.Header(stamp_s, "camera").Put(static_cast<std::uint32_t>(ids.size()));
+  for (const int id : ids) {
+    out.Text("tag36h11").Put(id).Put(0).Put(0.0F).Put(50.0F);
+    for (int i = 0; i < 2 + 8 + 9; ++i) out.Put(1.0 * i);
+  }
+  return out.text();
+}
+
 // The text of a type as a bag of ROS 1, or of ROS 2, carries it: what Cairn knows of it, with all types in
-// it.
-inline std::string DefinitionText(const std::string& type, bool is_ros1) {
+// it. `own`: of a type that Cairn does not know.
+inline std::string DefinitionText(const std::string& type, bool is_ros1, const std::string& own = {}) {
   std::string text(KnownDefinition(type == "tf/tfMessage" ? "tf2_msgs/TFMessage" : type));
+  if (!own.empty()) text = own;
   CAIRN_DEMAND(!text.empty(), type);
   for (const char* part :
        {"std_msgs/Header", "geometry_msgs/Point", "geometry_msgs/Vector3", "geometry_msgs/Quaternion",
         "geometry_msgs/Pose", "geometry_msgs/PoseStamped", "geometry_msgs/PoseWithCovariance",
         "geometry_msgs/Transform", "geometry_msgs/TransformStamped", "geometry_msgs/Twist",
-        "geometry_msgs/TwistWithCovariance", "sensor_msgs/LaserEcho"}) {
+        "geometry_msgs/TwistWithCovariance", "sensor_msgs/LaserEcho", "apriltag_msgs/AprilTagDetection"}) {
     text += std::string(80, '=') + "\nMSG: " + part + "\n";
     if (is_ros1 && std::string_view(part) == "std_msgs/Header")
       text += "# of ROS 1\nuint32 seq\ntime stamp\nstring frame_id\n";
@@ -116,6 +128,7 @@ struct BagMessage {
   std::string topic, type;
   double receive_s;
   std::string bytes;
+  std::string definition = {};  // of a type that Cairn does not know
 };
 
 inline std::string Number32(std::uint64_t value) { return {reinterpret_cast<const char*>(&value), 4}; }
@@ -172,11 +185,12 @@ inline std::string Ros1Bytes(const std::vector<BagMessage>& messages, const std:
     const auto [connection, is_new] =
         connections.try_emplace(message.topic, static_cast<std::uint32_t>(connections.size()));
     const std::string conn = Number32(connection->second);
-    const std::string about = record({{"op", op(7)}, {"conn", conn}, {"topic", message.topic}},
-                                     header({{"topic", message.topic},
-                                             {"type", message.type},
-                                             {"md5sum", "0"},
-                                             {"message_definition", DefinitionText(message.type, true)}}));
+    const std::string about =
+        record({{"op", op(7)}, {"conn", conn}, {"topic", message.topic}},
+               header({{"topic", message.topic},
+                       {"type", message.type},
+                       {"md5sum", "0"},
+                       {"message_definition", DefinitionText(message.type, true, message.definition)}}));
     if (is_new) connection_records += about;
     const std::string when = time(message.receive_s);
     const std::string chunk =
@@ -222,7 +236,7 @@ inline std::string McapBytes(const std::vector<BagMessage>& messages, const std:
     if (!is_ros1) type.replace(type.find('/'), 1, "/msg/");
     const std::string definition =
         record(3, number16(id->second) + Block(type) + Block(is_ros1 ? "ros1msg" : "ros2msg") +
-                      Block(DefinitionText(message.type, is_ros1))) +
+                      Block(DefinitionText(message.type, is_ros1, message.definition))) +
         record(4, number16(id->second) + number16(id->second) + Block(message.topic) +
                       Block(is_ros1 ? "ros1" : "cdr") + Block(""));
     if (is_new) definitions += definition;
@@ -293,7 +307,7 @@ inline void WriteSqliteBag(const std::string& path, const std::vector<BagMessage
     if (is_new && has_definitions)
       run("INSERT INTO message_definitions(topic_type, encoding, encoded_message_definition, "
           "type_description_hash) VALUES(CAST(?1 AS TEXT), 'ros2msg', CAST(?2 AS TEXT), '')",
-          {type, DefinitionText(message.type, false)});
+          {type, DefinitionText(message.type, false, message.definition)});
     run("INSERT INTO messages(topic_id, timestamp, data) VALUES(" + std::to_string(id->second) + ", " +
             std::to_string(std::llround(1e9 * message.receive_s)) + ", ?1)",
         {message.bytes});

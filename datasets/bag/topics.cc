@@ -36,6 +36,10 @@ constexpr std::array kUses = {
     TypeUse{"vision_msgs/Detection3DArray", Use::kLandmarks, kAsMarkers},
 };
 
+    TypeUse{"isaac_ros_apriltag_interfaces/AprilTagDetectionArray", Use::kLandmarks, kAsMarkers},
+    TypeUse{"ros2_aruco_interfaces/ArucoMarkers", Use::kLandmarks, kAsMarkers},
+    TypeUse{"apriltag_msgs/AprilTagDetectionArray", Use::kLandmarks,
+            "landmarks, with --landmarks and the tags' frames in tf"},
 // Letters to be taken out, put in or changed, each at a cost of one.
 std::size_t Distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -52,26 +56,25 @@ std::size_t Distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-std::string NearestNames(const std::vector<Topic>& topics, const std::string& name) {
-  constexpr std::size_t kMostShown = 5, kMostLetters = 200;
-  std::vector<std::pair<std::size_t, std::string>> names;
-  for (const Topic& topic : topics)
-    names.emplace_back(Distance(name.substr(0, kMostLetters), topic.name.substr(0, kMostLetters)),
-                       topic.name);
-  std::ranges::sort(names);
-  std::vector<std::string> nearest;
-  for (std::size_t i = 0; i < std::min(kMostShown, names.size()); ++i) nearest.push_back(names[i].second);
-  return NameList(nearest);
-}
-
 bool IsOf(const Topic& topic, const std::vector<Use>& uses) {
-  return topic.use != nullptr && std::ranges::find(uses, topic.use->use) != uses.end();
+  return uses.empty() || (topic.use != nullptr && std::ranges::find(uses, topic.use->use) != uses.end());
 }
 
 }  // namespace
 
 const TypeUse* FindUse(std::string_view type) {
   const auto found = std::ranges::find(kUses, type, &TypeUse::type);
+std::string NearestNames(const std::vector<std::string>& names, const std::string& name) {
+  constexpr std::size_t kMostShown = 5, kMostLetters = 200;
+  std::vector<std::pair<std::size_t, std::string>> sorted;
+  for (const std::string& one : names)
+    sorted.emplace_back(Distance(name.substr(0, kMostLetters), one.substr(0, kMostLetters)), one);
+  std::ranges::sort(sorted);
+  std::vector<std::string> nearest;
+  for (std::size_t i = 0; i < std::min(kMostShown, sorted.size()); ++i) nearest.push_back(sorted[i].second);
+  return NameList(nearest);
+}
+
   return found == kUses.end() ? nullptr : &*found;
 }
 
@@ -99,7 +102,9 @@ const Topic& FindTopic(const std::vector<Topic>& topics, const std::string& name
   const Topic* other = nullptr;
   for (const Topic& topic : topics) {
     if (topic.name != name) continue;
+  std::vector<std::string> names;
     if (IsOf(topic, uses)) return topic;
+    names.push_back(topic.name);
     other = &topic;
   }
   const std::string wanted = TopicList(topics, uses);
@@ -107,7 +112,7 @@ const Topic& FindTopic(const std::vector<Topic>& topics, const std::string& name
     throw InputError(option + " " + name + ": that topic is of " + other->type + "; " +
                      (wanted.empty() ? "there is none that serves" : "what serves: " + wanted));
   throw InputError(option + " " + name + ": there is no such topic; " +
-                   (topics.empty() ? "there is none at all" : "the nearest: " + NearestNames(topics, name)));
+                   (topics.empty() ? "there is none at all" : "the nearest: " + NearestNames(names, name)));
 }
 
 const Topic* OnlyTopic(const std::vector<Topic>& topics, Use use, const std::string& option) {

@@ -39,7 +39,7 @@ struct Topic {
 std::vector<Topic> TopicsOf(const std::vector<std::unique_ptr<Container>>& bags);
 
 // The topic of that name. Throws InputError where there is none, with the nearest names, or where it is none
-// of `uses`, with those that are.
+// of `uses` (if there are any), with those that are.
 const Topic& FindTopic(const std::vector<Topic>& topics, const std::string& name,
                        const std::vector<Use>& uses, const std::string& option);
 // The only topic of `use` that has messages; nothing where there is none. Throws InputError where there are
@@ -47,5 +47,7 @@ const Topic& FindTopic(const std::vector<Topic>& topics, const std::string& name
 const Topic* OnlyTopic(const std::vector<Topic>& topics, Use use, const std::string& option);
 // "/odom (1200 messages of nav_msgs/Odometry), …" of those of `uses` with messages.
 std::string TopicList(const std::vector<Topic>& topics, const std::vector<Use>& uses);
+// "'targets.x', …": those of `names` that are most like `name`.
+std::string NearestNames(const std::vector<std::string>& names, const std::string& name);
 
 }  // namespace cairn::datasets::bag

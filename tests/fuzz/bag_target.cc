@@ -17,7 +17,7 @@ namespace {
 
 namespace bag = datasets::bag;
 
-constexpr std::uint8_t kSkipBadMessages = 1, kByReceipt = 2, kInspect = 4;
+constexpr std::uint8_t kSkipBadMessages = 1, kByReceipt = 2, kInspect = 4, kLandmarks = 8;
 
 void CheckBagLog(const Blob& log) {
   for (const char* table :
@@ -39,6 +39,10 @@ Outcome RunBagFile(const std::string& path, std::uint8_t flags) {
   options.files = {path};
   options.skip_bad = (flags & kSkipBadMessages) != 0;
   options.by_receipt = (flags & kByReceipt) != 0;
+  if ((flags & kLandmarks) != 0) {
+    options.scans = {"none"};
+    options.landmarks = {"/scan:range=range_max,bearing=angle_min,id=header.frame_id", "/tags", "tf:las"};
+  }
   Blob log;
   try {
     if ((flags & kInspect) != 0) datasets::BagText(datasets::InspectBag(path));
@@ -65,6 +69,12 @@ std::vector<bag::BagMessage> Drive(bag::Encoder::To to) {
   messages.resize(6);
   messages.push_back(
       {"/tf", "tf2_msgs/TFMessage", 1000, bag::TransformMessage(to, 1000, "base_link", "laser", 0.1, 0.2)});
+  messages.push_back(
+      {"/tf", "tf2_msgs/TFMessage", 1000, bag::TransformMessage(to, 1000, "camera", "tag36h11:7", 1, 0)});
+  messages.push_back(
+      {"/tf", "tf2_msgs/TFMessage", 1000, bag::TransformMessage(to, 1000, "laser", "camera", 0, 0)});
+  messages.push_back(
+      {"/tags", "apriltag_msgs/AprilTagDetectionArray", 1000, bag::TagsMessage(to, 1000, {7, 8})});
   return messages;
 }
 
@@ -85,7 +95,7 @@ std::vector<Bytes> BagSeeds() {
   }
   std::vector<Bytes> seeds;
   for (const std::string& file : files)
-    for (const int flags : {0, kSkipBadMessages | kInspect, 0 + kByReceipt}) {
+    for (const int flags : {0, kSkipBadMessages | kInspect, 0 + kByReceipt, 0 + kLandmarks}) {
       seeds.emplace_back(file.begin(), file.end());
       seeds.back().insert(seeds.back().begin(), static_cast<std::uint8_t>(flags));
     }

@@ -151,8 +151,9 @@ void AddSensed(RangeLog* log, double first_s, double last_s, ImportReport* repor
     if (event.sensor) AddScan(event, report, &log->sensors[*event.sensor]);
     std::vector<double>().swap(event.range_m);  // the log has it now
     if (event.landmark)
-      robot.observations.Add(event.stamp_s, names.FindOrAdd(event.landmark->name), event.landmark->range_m,
-                             event.landmark->bearing_rad);
+      robot.observations.Add(event.stamp_s,
+                             event.landmark->name.empty() ? -1 : names.FindOrAdd(event.landmark->name),
+                             event.landmark->range_m, event.landmark->bearing_rad);
     const bool named =
         event.mark && log->marks_are_names && !event.mark->empty() && !MeansUnknown(*event.mark);
     const std::int32_t landmark = named ? names.FindOrAdd(*event.mark) : -1;

@@ -15,7 +15,7 @@ namespace cairn::datasets {
 
 // A landmark that was seen, and where.
 struct LandmarkSeen {
-  std::string name;
+  std::string name;  // empty: which it is is not known
   double range_m = 0, bearing_rad = 0;
 };
 

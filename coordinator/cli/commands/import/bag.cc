@@ -26,7 +26,9 @@ void AddTopics(Command command, datasets::BagImportOptions& bag) {
               "Topic of nav_msgs/Odometry, or of velocities (Twist); 'tf': the frame that moves on 'odom'");
   command.Add("--scan", bag.scans, "Topic of laser scans (again: of several lasers); 'none'");
   command.Add("--sonar", bag.sonars, "Topic of sensor_msgs/Range (again: of several; else all); 'none'");
-  command.Add("--landmarks", bag.landmarks, "Topic of detected markers, as landmarks (again: of several)");
+  command.Add("--landmarks", bag.landmarks,
+              "Topic of detected markers, as landmarks; TOPIC:range=FIELD,bearing=FIELD,id=FIELD or x=, y=: "
+              "fields of any messages; tf:BEGINNING: frames of such names (again: of several)");
   command.Add("--truth", bag.truth, "Topic of poses that are the truth: Odometry, PoseStamped, Path, …");
   command.Add("--poses", bag.poses, "Topic of poses that a program corrected (amcl's, say)");
 }
