@@ -13,6 +13,7 @@
 #include "datasets/bag/landmark_readers.h"
 #include "datasets/bag/place_sensors.h"
 #include "datasets/bag/readers.h"
+#include "datasets/bag/wheels.h"
 #include "schema/error.h"
 #include "schema/text.h"
 
@@ -110,6 +111,7 @@ class BagImport {
   void ChooseTopics() {
     in_hand_.reserve(topics_.size());  // channels point into it
     ChooseOdometry();
+    ChooseGyro();
     for (const Topic& topic : topics_)
       if (topic.use != nullptr && topic.use->use == Use::kTransforms)
         Add(topic,
@@ -130,8 +132,6 @@ class BagImport {
       gathered_.followed.beginnings.push_back(source.beginning);
       return;
     }
-  }
-
     const Topic& topic = bag::FindTopic(topics_, source.topic, {}, "--landmarks");
     if (!source.fields.empty()) return Add(topic, bag::ReadLandmarkFields(source, &gathered_.landmarks));
     if (topic.use == nullptr || topic.use->use != Use::kLandmarks)
@@ -154,10 +154,13 @@ class BagImport {
             return damage.what;
           }
     return "a definition that the file does not carry";
+  }
+
   void ChooseOdometry() {
     gathered_.odometry_topic = options_.odometry;
     if (options_.odometry == "tf") return;
     const Topic* topic = nullptr;
+    if (!options_.wheels.empty()) return ChooseJoints();
     if (!options_.odometry.empty()) {
       topic = &bag::FindTopic(topics_, options_.odometry, {Use::kOdometry, Use::kVelocity}, "--odometry");
     } else {
@@ -171,6 +174,25 @@ class BagImport {
     gathered_.odometry_topic = topic->name;
     Add(*topic, topic->use->use == Use::kOdometry ? bag::ReadOdometry(&gathered_.odometry)
                                                   : bag::ReadVelocity(topic->type, &gathered_.odometry));
+  }
+
+  void ChooseJoints() {
+    const bag::Wheels wheels = bag::ParseWheels(options_.wheels);
+    const Topic* topic = options_.odometry.empty()
+                             ? bag::OnlyTopic(topics_, Use::kJoints, "--odometry")
+                             : &bag::FindTopic(topics_, options_.odometry, {Use::kJoints}, "--odometry");
+    if (topic == nullptr) throw InputError("--wheels: there is no topic of sensor_msgs/JointState");
+    gathered_.odometry_topic = topic->name;
+    Add(*topic, bag::ReadWheels(wheels, &gathered_.odometry));
+  }
+
+  void ChooseGyro() {
+    if (options_.gyro.empty()) return;
+    const bag::ScaledField named = bag::ParseScaledField(options_.gyro, "--gyro " + options_.gyro);
+    const Topic& topic = bag::FindTopic(topics_, named.path, {Use::kGyro}, "--gyro");
+    gathered_.gyro.topic = topic.name;
+    gathered_.gyro.factor = named.factor;
+    Add(topic, bag::ReadGyro(&gathered_.gyro));
   }
 
   // What is named as the truth is no odometry to choose from.
@@ -241,6 +263,11 @@ class BagImport {
     return reader;
   }
 
+  static std::string_view DefinitionOf(const bag::Channel& channel) {
+    return channel.definition.empty() ? bag::KnownDefinition(channel.type)
+                                      : std::string_view(channel.definition);
+  }
+
   void ReadBag(bag::Container* one) {
     std::vector<ChannelInHand> readers = ReadersOf(*one);
     std::vector<bool> wanted;
@@ -263,11 +290,6 @@ class BagImport {
     TopicInHand& topic = *channel->topic;
     last_topic_ = &topic;
     last_number_ = message.number;
-  static std::string_view DefinitionOf(const bag::Channel& channel) {
-    return channel.definition.empty() ? bag::KnownDefinition(channel.type)
-                                      : std::string_view(channel.definition);
-  }
-
     try {
       topic.reader->Take(channel->reader->Read(message.bytes), message, &topic.clock);
       ++topic.taken;

@@ -18,6 +18,9 @@ struct BagImportOptions {
   NoiseParameters noise;
   // Topics; empty: the only one of its kind. `odometry` may be "tf", `scans` and `sonars` "none".
   std::string odometry;
+  std::string
+      wheels;        // "LEFT_JOINT,RIGHT_JOINT,RADIUS_M,DISTANCE_M" (wheels.h); empty: no odometry of joints
+  std::string gyro;  // whose turn is the odometry's; "TOPIC*FACTOR" (landmark_readers.h)
   std::vector<std::string> scans, sonars;
   // Only where they are named: a pose may be where somebody wants the robot to go.
   std::string truth, poses;

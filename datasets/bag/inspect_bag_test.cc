@@ -14,7 +14,7 @@ TEST(InspectBag, ListsTopicsWithWhatCairnCanDoWithThem) {
   messages.push_back({"/cmd_vel", "geometry_msgs/Twist", 1002, std::string(48, '\0')});
   messages.push_back({"/tf", "tf2_msgs/TFMessage", 1004,
                       bag::TransformMessage(Encoder::To::kRos1, 1004, "/odom", "base_link", 0, 0)});
-  messages.push_back({"/imu", "sensor_msgs/Imu", 1004, "short"});
+  messages.push_back({"/heat", "sensor_msgs/Temperature", 1004, "short", "float64 temperature\n"});
   messages.erase(messages.begin() + 4);  // of /odom
   const std::string path = folder.Put("drive.bag", bag::Ros1Bytes(messages, "bz2"));
   const BagInspection bag = InspectBag(path);
@@ -23,7 +23,7 @@ TEST(InspectBag, ListsTopicsWithWhatCairnCanDoWithThem) {
   EXPECT_NEAR(bag.length_s, 5.01, 1e-9);
   ASSERT_EQ(bag.topics.size(), 5U);
   EXPECT_EQ(bag.topics[0].name, "/cmd_vel");
-  EXPECT_EQ(bag.topics[1].as, "");
+  EXPECT_EQ(bag.topics[1].as, "") << bag.topics[1].name;
   const BagTopic& odometry = bag.topics[2];
   EXPECT_EQ(odometry.messages, 10U);
   EXPECT_NEAR(odometry.rate_hz, 2, 0.01);
@@ -34,7 +34,7 @@ TEST(InspectBag, ListsTopicsWithWhatCairnCanDoWithThem) {
   const std::string text = BagText(bag);
   ExpectContains(text,
                  "/odom nav_msgs/Odometry: 10 messages, 2.0 Hz, longest gap 1.00 s; frame odom; as odometry");
-  ExpectContains(text, "/imu sensor_msgs/Imu: 1 messages; not used");
+  ExpectContains(text, "/heat sensor_msgs/Temperature: 1 messages; not used");
 }
 
 TEST(InspectBag, SaysWhatIsWrong) {

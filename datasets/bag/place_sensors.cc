@@ -30,6 +30,10 @@ class BagLog {
     ranges_.before_line = ", message ";
     if (in_.odometry_topic == "tf") TakeOdometryOfFrames();
     ChooseBase();
+    if (in_.odometry.poses.empty() && !in_.odometry.other_joints.empty())
+      throw InputError(in_.path + ": no message of " + in_.odometry_topic +
+                       " has both wheels; it has the joints " + NameList(in_.odometry.other_joints, 20));
+    if (!in_.gyro.topic.empty()) TurnOdometry();
     for (const PoseRow& row : in_.odometry.poses) AddPose(row, &RangeEvent::odometry);
     for (const PoseRow& row : in_.truth) AddPose(row, &RangeEvent::truth);
     for (const PoseRow& row : in_.poses) AddPose(row, &RangeEvent::corrected);
@@ -37,12 +41,12 @@ class BagLog {
     for (const auto& scan : in_.scans) AddLaser(scan.get());
     AddRing("sonar", false);
     AddRing("infrared", true);
+    PlaceTags(in_.path, std::move(in_.tags), in_.followed.tags, &in_.landmarks, &report_);
+    for (const FrameSighting& frame : in_.followed.seen) in_.landmarks.push_back(frame.seen);
     for (const Sighting& seen : in_.landmarks) AddLandmark(seen);
     // Topics come one after the other; MakeRangeLog wants them in the order of time, as far as that goes.
     std::ranges::stable_sort(ranges_.events, {}, &RangeEvent::stamp_s);
     BadLines none(true);
-    PlaceTags(in_.path, std::move(in_.tags), in_.followed.tags, &in_.landmarks, &report_);
-    for (const FrameSighting& frame : in_.followed.seen) in_.landmarks.push_back(frame.seen);
     return MakeRangeLog(std::move(ranges_), in_.noise, &none, std::move(report_), log);
   }
 
@@ -75,8 +79,21 @@ class BagLog {
 
   void ChooseBase() {
     if (in_.base.empty()) in_.base = in_.odometry.base;
+    const auto has_sensor = [&](const std::string& frame) {
+      return std::ranges::any_of(in_.scans, [&](const auto& scan) { return scan->frame == frame; });
+    };
     for (const char* usual : {"base_link", "base_footprint"})
-      if (in_.base.empty() && in_.frames.Knows(usual)) in_.base = usual;
+      if (in_.base.empty() && (in_.frames.Knows(usual) || has_sensor(usual))) in_.base = usual;
+  }
+
+  void TurnOdometry() {
+    const GyroRows& gyro = in_.gyro;
+    std::optional<FrameTree::Mount> mount;
+    if (gyro.frame != in_.base) mount = in_.frames.Find(in_.base, gyro.frame);
+    if (!mount && gyro.frame != in_.base)
+      WarnOnce(gyro.topic + ": no tf says how '" + Printable(gyro.frame, 80) +
+               "' lies on the robot: it is taken to lie level");
+    TurnByGyro(gyro, mount ? mount->transform : Transform(), &in_.odometry.poses, &report_);
   }
 
   void AddPose(const PoseRow& row, std::optional<Pose> RangeEvent::* which) {
@@ -89,7 +106,8 @@ class BagLog {
 
   // What a filter says of its heading grows with the way, where the filter knows nothing but odometry.
   void TakeNoiseOfCovariances() {
-    if (in_.odometry.poses.empty() || in_.odometry_topic == "tf" || in_.noise.heading_walk_rad_per_sqrt_m)
+    if (in_.odometry.poses.empty() || in_.odometry_topic == "tf" || !in_.gyro.topic.empty() ||
+        in_.noise.heading_walk_rad_per_sqrt_m)
       return;
     double way_m = 0;
     const std::vector<PoseRow>& poses = in_.odometry.poses;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/bag/gyro.h"
 #include "datasets/bag/readers.h"
 #include "datasets/import/log_rows.h"
 #include "schema/blob.h"
@@ -19,14 +20,15 @@ struct Gathered {
   std::string base;                    // the robot's frame; empty: that of the odometry
   std::map<std::string, Pose> mounts;  // by topic or frame
   OdometryRows odometry;
+  GyroRows gyro;  // without a topic there is none
   FrameTree frames;
   std::vector<std::unique_ptr<ScanTopic>> scans, sonars;
   std::vector<PoseRow> truth, poses;
   std::vector<Sighting> landmarks;
-  std::vector<Topic> topics;  // all that there are
-};
   std::vector<FrameSighting> tags;  // detections of tags that are where their frames are
   FollowedFrames followed;
+  std::vector<Topic> topics;  // all that there are
+};
 
 // As ImportBag says (import_bag.h).
 ImportReport MakeBagLog(Gathered gathered, ImportReport report, Blob* log);

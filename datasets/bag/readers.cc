@@ -89,11 +89,7 @@ class VelocityReader : public TopicReader {
     Pose pose;
     if (!rows_.poses.empty()) {
       const double seconds = *time_s - rows_.poses.back().time_s;
-      const double half = turn_ * seconds / 2;
-      // The way lies along the heading in the middle of the interval.
-      pose = Compose(rows_.poses.back().pose, {0, 0, half});
-      pose = Compose(pose, {ahead_ * seconds, aside_ * seconds, half});
-      pose.heading_rad = WrapAngle(pose.heading_rad);
+      pose = Moved(rows_.poses.back().pose, ahead_ * seconds, aside_ * seconds, turn_ * seconds);
     }
     rows_.poses.push_back({*time_s, message.number, pose});
     ahead_ = ahead;
@@ -126,14 +122,14 @@ class TransformReader : public TopicReader {
     for (std::size_t i = 0; i < std::min({stamps.size(), parents.size(), children.size()}); ++i) {
       const Transform transform = TransformIn(found, 0, i);
       // A static transform holds at all times, and may have none.
-    }
-  }
-
- private:
       const double stamp_s = clock->TransformTime(stamps[i], message.receive_ns);
       const std::string child = FrameName(children[i]);
       Follow(child, FrameName(parents[i]), transform, stamps[i], message.number, clock->WithinPath(stamp_s));
       frames_.Add(FrameName(parents[i]), child, stamp_s, transform);
+    }
+  }
+
+ private:
   void Follow(const std::string& child, const std::string& parent, const Transform& transform, double stamp_s,
               std::size_t number, const std::optional<double>& time_s) {
     if (are_static_ || !time_s) return;
@@ -147,11 +143,11 @@ class TransformReader : public TopicReader {
     const std::size_t colon = frame.find(':');
     return colon != std::string_view::npos && colon + 1 < frame.size() &&
            frame.find_first_not_of("0123456789", colon + 1) == std::string_view::npos;
-  FollowedFrames& followed_;
   }
 
   bool are_static_;
   FrameTree& frames_;
+  FollowedFrames& followed_;
 };
 
 class ScanReader : public TopicReader {

@@ -100,10 +100,18 @@ class TopicReader {
   virtual void Take(const std::vector<Found>& found, const Message& message, TopicClock* clock) = 0;
 };
 
+// A step on: ahead and to the left of the heading in its middle.
+inline Pose Moved(const Pose& from, double ahead_m, double aside_m, double turn_rad) {
+  Pose pose = Compose(Compose(from, {0, 0, turn_rad / 2}), {ahead_m, aside_m, turn_rad / 2});
+  pose.heading_rad = WrapAngle(pose.heading_rad);
+  return pose;
+}
+
 // Of kOdometry; `frame`, `base`: those of its first message.
 struct OdometryRows {
   std::vector<PoseRow> poses;
   std::string frame, base;
+  std::vector<std::string> other_joints;  // of messages without the wheels that were asked for
   // Variances of the heading that its first and last messages state.
   double first_variance = 0, last_variance = 0;
 };

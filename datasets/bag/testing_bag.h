@@ -93,6 +93,30 @@ inline std::string TransformMessage(Encoder::To to, double stamp_s, const std::s
   return out.Doubles({0, 0, s, c}).text();
 }
 
+// Turning about its z axis.
+inline std::string ImuMessage(Encoder::To to, double stamp_s, double rate_radps,
+                              const std::string& frame = "base_link") {
+  Encoder out(to);
+  out.Header(stamp_s, frame).Doubles({0, 0, 0, 1});
+  for (int i = 0; i < 9; ++i) out.Put(0.0);
+  out.Doubles({0, 0, rate_radps});
+  for (int i = 0; i < 9 + 3 + 9; ++i) out.Put(0.0);
+  return out.text();
+}
+
+inline std::string JointMessage(Encoder::To to, double stamp_s, const std::vector<std::string>& names,
+                                const std::vector<double>& positions,
+                                const std::vector<double>& velocities = {}) {
+  Encoder out(to);
+  out.Header(stamp_s, "").Put(static_cast<std::uint32_t>(names.size()));
+  for (const std::string& name : names) out.Text(name);
+  for (const std::vector<double>& numbers : {positions, velocities, {}}) {
+    out.Put(static_cast<std::uint32_t>(numbers.size()));
+    for (const double number : numbers) out.Put(number);
+  }
+  return out.text();
+}
+
 // As apriltag_ros of ROS 2 has it: where in the image tags of 36h11 are.
 inline std::string TagsMessage(Encoder::To to, double stamp_s, const std::vector<int>& ids) {
   Encoder out(to);

@@ -20,6 +20,8 @@ constexpr std::array kUses = {
     TypeUse{"geometry_msgs/TwistStamped", Use::kVelocity, kAsVelocity},
     TypeUse{"geometry_msgs/TwistWithCovarianceStamped", Use::kVelocity, kAsVelocity},
     TypeUse{"geometry_msgs/Twist", Use::kVelocity, kAsVelocity},
+    TypeUse{"sensor_msgs/JointState", Use::kJoints, "odometry of two wheels, with --wheels"},
+    TypeUse{"sensor_msgs/Imu", Use::kGyro, "the odometry's turn, with --gyro"},
     TypeUse{"tf2_msgs/TFMessage", Use::kTransforms, "where sensors sit"},
     TypeUse{"tf/tfMessage", Use::kTransforms, "where sensors sit"},
     TypeUse{"sensor_msgs/LaserScan", Use::kScan, "scans"},
@@ -34,12 +36,12 @@ constexpr std::array kUses = {
     TypeUse{"aruco_msgs/MarkerArray", Use::kLandmarks, kAsMarkers},
     TypeUse{"fiducial_msgs/FiducialTransformArray", Use::kLandmarks, kAsMarkers},
     TypeUse{"vision_msgs/Detection3DArray", Use::kLandmarks, kAsMarkers},
-};
-
     TypeUse{"isaac_ros_apriltag_interfaces/AprilTagDetectionArray", Use::kLandmarks, kAsMarkers},
     TypeUse{"ros2_aruco_interfaces/ArucoMarkers", Use::kLandmarks, kAsMarkers},
     TypeUse{"apriltag_msgs/AprilTagDetectionArray", Use::kLandmarks,
             "landmarks, with --landmarks and the tags' frames in tf"},
+};
+
 // Letters to be taken out, put in or changed, each at a cost of one.
 std::size_t Distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -62,8 +64,6 @@ bool IsOf(const Topic& topic, const std::vector<Use>& uses) {
 
 }  // namespace
 
-const TypeUse* FindUse(std::string_view type) {
-  const auto found = std::ranges::find(kUses, type, &TypeUse::type);
 std::string NearestNames(const std::vector<std::string>& names, const std::string& name) {
   constexpr std::size_t kMostShown = 5, kMostLetters = 200;
   std::vector<std::pair<std::size_t, std::string>> sorted;
@@ -75,6 +75,8 @@ std::string NearestNames(const std::vector<std::string>& names, const std::strin
   return NameList(nearest);
 }
 
+const TypeUse* FindUse(std::string_view type) {
+  const auto found = std::ranges::find(kUses, type, &TypeUse::type);
   return found == kUses.end() ? nullptr : &*found;
 }
 
@@ -100,11 +102,11 @@ std::string TopicList(const std::vector<Topic>& topics, const std::vector<Use>& 
 const Topic& FindTopic(const std::vector<Topic>& topics, const std::string& name,
                        const std::vector<Use>& uses, const std::string& option) {
   const Topic* other = nullptr;
-  for (const Topic& topic : topics) {
-    if (topic.name != name) continue;
   std::vector<std::string> names;
-    if (IsOf(topic, uses)) return topic;
+  for (const Topic& topic : topics) {
     names.push_back(topic.name);
+    if (topic.name != name) continue;
+    if (IsOf(topic, uses)) return topic;
     other = &topic;
   }
   const std::string wanted = TopicList(topics, uses);

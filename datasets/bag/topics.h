@@ -15,6 +15,8 @@ namespace cairn::datasets::bag {
 enum class Use {
   kOdometry,    // poses by odometry
   kVelocity,    // as odometry, where somebody says so: it may be what was commanded
+  kJoints,      // as odometry, where somebody says which are the wheels, and how large
+  kGyro,        // the turn of the odometry, where somebody says so
   kTransforms,  // where sensors sit; odometry, where there is no other
   kScan,        // of a laser
   kCone,        // of a sonar or an infra-red sensor
@@ -45,9 +47,9 @@ const Topic& FindTopic(const std::vector<Topic>& topics, const std::string& name
 // The only topic of `use` that has messages; nothing where there is none. Throws InputError where there are
 // several: `option` chooses.
 const Topic* OnlyTopic(const std::vector<Topic>& topics, Use use, const std::string& option);
-// "/odom (1200 messages of nav_msgs/Odometry), …" of those of `uses` with messages.
-std::string TopicList(const std::vector<Topic>& topics, const std::vector<Use>& uses);
 // "'targets.x', …": those of `names` that are most like `name`.
 std::string NearestNames(const std::vector<std::string>& names, const std::string& name);
+// "/odom (1200 messages of nav_msgs/Odometry), …" of those of `uses` with messages.
+std::string TopicList(const std::vector<Topic>& topics, const std::vector<Use>& uses);
 
 }  // namespace cairn::datasets::bag

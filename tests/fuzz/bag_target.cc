@@ -17,7 +17,7 @@ namespace {
 
 namespace bag = datasets::bag;
 
-constexpr std::uint8_t kSkipBadMessages = 1, kByReceipt = 2, kInspect = 4, kLandmarks = 8;
+constexpr std::uint8_t kSkipBadMessages = 1, kByReceipt = 2, kInspect = 4, kLandmarks = 8, kWheels = 16;
 
 void CheckBagLog(const Blob& log) {
   for (const char* table :
@@ -42,6 +42,10 @@ Outcome RunBagFile(const std::string& path, std::uint8_t flags) {
   if ((flags & kLandmarks) != 0) {
     options.scans = {"none"};
     options.landmarks = {"/scan:range=range_max,bearing=angle_min,id=header.frame_id", "/tags", "tf:las"};
+  }
+  if ((flags & kWheels) != 0) {
+    options.wheels = "l,r,0.1,0.5";
+    options.gyro = "/imu*2";
   }
   Blob log;
   try {
@@ -75,6 +79,11 @@ std::vector<bag::BagMessage> Drive(bag::Encoder::To to) {
       {"/tf", "tf2_msgs/TFMessage", 1000, bag::TransformMessage(to, 1000, "laser", "camera", 0, 0)});
   messages.push_back(
       {"/tags", "apriltag_msgs/AprilTagDetectionArray", 1000, bag::TagsMessage(to, 1000, {7, 8})});
+  for (const double at_s : {1000.0, 1000.4, 1003.0}) {
+    messages.push_back({"/imu", "sensor_msgs/Imu", at_s, bag::ImuMessage(to, at_s, 0.1, "laser")});
+    messages.push_back({"/joints", "sensor_msgs/JointState", at_s,
+                        bag::JointMessage(to, at_s, {"l", "r"}, {0.1 * at_s, 0.2 * at_s}, {1, 2})});
+  }
   return messages;
 }
 
@@ -95,7 +104,7 @@ std::vector<Bytes> BagSeeds() {
   }
   std::vector<Bytes> seeds;
   for (const std::string& file : files)
-    for (const int flags : {0, kSkipBadMessages | kInspect, 0 + kByReceipt, 0 + kLandmarks}) {
+    for (const int flags : {0, kSkipBadMessages | kInspect, 0 + kByReceipt, 0 + kLandmarks, 0 + kWheels}) {
       seeds.emplace_back(file.begin(), file.end());
       seeds.back().insert(seeds.back().begin(), static_cast<std::uint8_t>(flags));
     }

@@ -24,6 +24,10 @@ int ImportBag(const BagOptions& options, const Invocation&) {
 void AddTopics(Command command, datasets::BagImportOptions& bag) {
   command.Add("--odometry", bag.odometry,
               "Topic of nav_msgs/Odometry, or of velocities (Twist); 'tf': the frame that moves on 'odom'");
+  command.Add("--wheels", bag.wheels,
+              "Odometry by joints: LEFT_JOINT,RIGHT_JOINT,RADIUS_M,DISTANCE_M of a differential drive");
+  command.Add("--gyro", bag.gyro,
+              "Topic of sensor_msgs/Imu: the odometry turns as it does, its bias taken out ('/imu*deg')");
   command.Add("--scan", bag.scans, "Topic of laser scans (again: of several lasers); 'none'");
   command.Add("--sonar", bag.sonars, "Topic of sensor_msgs/Range (again: of several; else all); 'none'");
   command.Add("--landmarks", bag.landmarks,
