@@ -8,12 +8,11 @@
 #include <set>
 #include <utility>
 
+#include "datasets/bag/choose_topics.h"
 #include "datasets/bag/container.h"
 #include "datasets/bag/definition.h"
-#include "datasets/bag/landmark_readers.h"
 #include "datasets/bag/place_sensors.h"
 #include "datasets/bag/readers.h"
-#include "datasets/bag/wheels.h"
 #include "schema/error.h"
 #include "schema/text.h"
 
@@ -78,14 +77,13 @@ class BagImport {
     ChooseTopics();
     for (const auto& one : bags_) ReadBag(one.get());
     CheckSkipped();
-    bag::Gathered& gathered = gathered_;
-    gathered.noise = options_.noise;
-    gathered.base = options_.base;
-    gathered.mounts = options_.mounts;
-    gathered.path = bags_.size() == 1 ? bags_.front()->path() : options_.files.front() + " and others";
-    gathered.topics = topics_;
+    for (bag::Gathered& robot : robots_) {
+      robot.noise = options_.noise;
+      robot.mounts = options_.mounts;
+      robot.path = bags_.size() == 1 ? bags_.front()->path() : options_.files.front() + " and others";
+    }
     WarnOfClocks();
-    ImportReport made = bag::MakeBagLog(std::move(gathered_), std::move(report_), log);
+    ImportReport made = bag::MakeBagLog(std::move(robots_), std::move(report_), log);
     made.skipped = bad_.counts();
     return made;
   }
@@ -109,116 +107,26 @@ class BagImport {
   }
 
   void ChooseTopics() {
-    in_hand_.reserve(topics_.size());  // channels point into it
-    ChooseOdometry();
-    ChooseGyro();
-    for (const Topic& topic : topics_)
-      if (topic.use != nullptr && topic.use->use == Use::kTransforms)
-        Add(topic,
-            bag::ReadTransforms(topic.name.ends_with("tf_static"), &gathered_.frames, &gathered_.followed));
-    ChooseScans(Use::kScan, "--scan", options_.scans);
-    ChooseScans(Use::kCone, "--sonar", options_.sonars);
-    for (const auto& [option, name, rows] : {std::tuple{"--truth", &options_.truth, &gathered_.truth},
-                                             std::tuple{"--poses", &options_.poses, &gathered_.poses}}) {
-      if (name->empty()) continue;
-      const Topic& topic = bag::FindTopic(topics_, *name, {Use::kPose, Use::kOdometry}, option);
-      Add(topic, bag::ReadPoses(topic.type, rows));
+    const std::vector<std::string> names = bag::RobotsOf(options_, topics_);
+    robots_.resize(std::max<std::size_t>(names.size(), 1));  // readers point into it
+    in_hand_.reserve(topics_.size());                        // channels point into it
+    std::vector<bag::TransformsOf> all;
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      bag::Gathered& robot = robots_[i];
+      if (!names.empty()) robot.robot = names[i];
+      robot.topics = bag::TopicsOfRobot(topics_, names, robot.robot);
+      const auto add = [&](const Topic& topic, std::unique_ptr<bag::TopicReader> reader) {
+        Add(topic, std::move(reader));
+      };
+      bag::ChooseTopics(bag::OptionsOfRobot(options_, names, robot), bags_, &robot, add);
+      all.push_back({&robot.frames, &robot.followed});
     }
-    for (const std::string& text : options_.landmarks) ChooseLandmarks(bag::ParseLandmarkSource(text));
-  }
-
-  void ChooseLandmarks(const bag::LandmarkSource& source) {
-    if (!source.beginning.empty()) {
-      gathered_.followed.beginnings.push_back(source.beginning);
-      return;
-    }
-    const Topic& topic = bag::FindTopic(topics_, source.topic, {}, "--landmarks");
-    if (!source.fields.empty()) return Add(topic, bag::ReadLandmarkFields(source, &gathered_.landmarks));
-    if (topic.use == nullptr || topic.use->use != Use::kLandmarks)
-      throw InputError("--landmarks " + topic.name + ": that topic is of " + topic.type +
-                       ", whose fields are to be named: --landmarks " + topic.name +
-                       ":range=FIELD,bearing=FIELD or x=, y=, each with id= (docs/bags.md); it has " +
-                       FieldsOf(topic));
-    Add(topic, bag::ReadLandmarks(topic.type, &gathered_.landmarks, &gathered_.tags));
-    gathered_.followed.with_tags = true;
-  }
-
-  std::string FieldsOf(const Topic& topic) const {
-    constexpr std::size_t kMostShown = 30;
-    for (const auto& one : bags_)
-      for (const bag::Channel& channel : one->channels())
-        if (channel.topic == topic.name && channel.type == topic.type && !DefinitionOf(channel).empty()) try {
-            return NameList(bag::FieldPaths(bag::ParseDefinition(channel.type, DefinitionOf(channel))),
-                            kMostShown);
-          } catch (const bag::Damage& damage) {
-            return damage.what;
-          }
-    return "a definition that the file does not carry";
-  }
-
-  void ChooseOdometry() {
-    gathered_.odometry_topic = options_.odometry;
-    if (options_.odometry == "tf") return;
-    const Topic* topic = nullptr;
-    if (!options_.wheels.empty()) return ChooseJoints();
-    if (!options_.odometry.empty()) {
-      topic = &bag::FindTopic(topics_, options_.odometry, {Use::kOdometry, Use::kVelocity}, "--odometry");
-    } else {
-      topic = bag::OnlyTopic(WithoutPoses(), Use::kOdometry, "--odometry");
-      if (topic == nullptr) {
-        gathered_.odometry_topic = "tf";
-        return;
-      }
-      topic = &bag::FindTopic(topics_, topic->name, {Use::kOdometry}, "--odometry");
-    }
-    gathered_.odometry_topic = topic->name;
-    Add(*topic, topic->use->use == Use::kOdometry ? bag::ReadOdometry(&gathered_.odometry)
-                                                  : bag::ReadVelocity(topic->type, &gathered_.odometry));
-  }
-
-  void ChooseJoints() {
-    const bag::Wheels wheels = bag::ParseWheels(options_.wheels);
-    const Topic* topic = options_.odometry.empty()
-                             ? bag::OnlyTopic(topics_, Use::kJoints, "--odometry")
-                             : &bag::FindTopic(topics_, options_.odometry, {Use::kJoints}, "--odometry");
-    if (topic == nullptr) throw InputError("--wheels: there is no topic of sensor_msgs/JointState");
-    gathered_.odometry_topic = topic->name;
-    Add(*topic, bag::ReadWheels(wheels, &gathered_.odometry));
-  }
-
-  void ChooseGyro() {
-    if (options_.gyro.empty()) return;
-    const bag::ScaledField named = bag::ParseScaledField(options_.gyro, "--gyro " + options_.gyro);
-    const Topic& topic = bag::FindTopic(topics_, named.path, {Use::kGyro}, "--gyro");
-    gathered_.gyro.topic = topic.name;
-    gathered_.gyro.factor = named.factor;
-    Add(topic, bag::ReadGyro(&gathered_.gyro));
-  }
-
-  // What is named as the truth is no odometry to choose from.
-  const std::vector<Topic>& WithoutPoses() {
-    others_.clear();
-    for (const Topic& topic : topics_)
-      if (topic.name != options_.truth && topic.name != options_.poses) others_.push_back(topic);
-    return others_;
-  }
-
-  void ChooseScans(Use use, const char* option, const std::vector<std::string>& names) {
-    if (names.size() == 1 && names.front() == "none") return;
-    std::vector<const Topic*> chosen;
-    for (const std::string& name : names) chosen.push_back(&bag::FindTopic(topics_, name, {use}, option));
-    if (names.empty() && use == Use::kScan) {
-      if (const Topic* only = bag::OnlyTopic(topics_, use, option)) chosen.push_back(only);
-    } else if (names.empty()) {
-      for (const Topic& topic : topics_)  // a ring is of several
-        if (topic.use != nullptr && topic.use->use == use && topic.messages > 0) chosen.push_back(&topic);
-    }
-    std::vector<std::unique_ptr<bag::ScanTopic>>& scans =
-        use == Use::kScan ? gathered_.scans : gathered_.sonars;
-    for (const Topic* topic : chosen) {
-      scans.push_back(std::make_unique<bag::ScanTopic>());
-      scans.back()->topic = topic->name;
-      Add(*topic, bag::ReadScans(topic->type, scans.back().get()));
+    for (const Topic& topic : topics_) {
+      if (topic.use == nullptr || topic.use->use != Use::kTransforms) continue;
+      std::vector<bag::TransformsOf> takers;
+      for (std::size_t i = 0; i < robots_.size(); ++i)
+        if (bag::HasTopic(robots_[i].topics, topic.name)) takers.push_back(all[i]);
+      Add(topic, bag::ReadTransforms(topic.name.ends_with("tf_static"), takers));
     }
   }
 
@@ -246,7 +154,7 @@ class BagImport {
     if (channel.wire == bag::Wire::kOther)
       throw bag::Damage{"messages encoded as '" + Printable(channel.encoding, 40) +
                         "'; known are ros1 and cdr"};
-    const std::string_view text = DefinitionOf(channel);
+    const std::string_view text = bag::DefinitionOf(channel);
     if (text.empty())
       throw bag::Damage{"the file does not say what a " + channel.type +
                         " is made of, as those of ROS 2 before Iron do not, and Cairn does not know it"};
@@ -261,11 +169,6 @@ class BagImport {
                        "; the nearest: " + bag::NearestNames(bag::FieldPaths(definition), paths[i]));
     }
     return reader;
-  }
-
-  static std::string_view DefinitionOf(const bag::Channel& channel) {
-    return channel.definition.empty() ? bag::KnownDefinition(channel.type)
-                                      : std::string_view(channel.definition);
   }
 
   void ReadBag(bag::Container* one) {
@@ -343,10 +246,10 @@ class BagImport {
   BadMessages bad_;
   ImportReport report_;
   std::vector<std::unique_ptr<bag::Container>> bags_;
-  std::vector<Topic> topics_, others_;
+  std::vector<Topic> topics_;
   bag::ClockOptions clock_;
   std::vector<TopicInHand> in_hand_;
-  bag::Gathered gathered_;
+  std::vector<bag::Gathered> robots_;
   const TopicInHand* last_topic_ = nullptr;
   std::uint64_t last_number_ = 0;
 };

@@ -1,4 +1,4 @@
-// `cairn import bag`: bags of ROS 1 (.bag) and ROS 2 (.db3, .mcap), of one robot, read without ROS.
+// `cairn import bag`: bags of ROS 1 (.bag) and ROS 2 (.db3, .mcap), read without ROS.
 #pragma once
 
 #include <map>
@@ -16,7 +16,11 @@ struct BagImportOptions {
   std::vector<std::string> files;  // of one drive, in any order; folders of rosbag2 too
   bool skip_bad = false;  // skip bad messages and count them by reason, instead of stopping at the first
   NoiseParameters noise;
-  // Topics; empty: the only one of its kind. `odometry` may be "tf", `scans` and `sonars` "none".
+  // "NAMESPACE,NAMESPACE", of a robot each; empty: where all topics lie in several namespaces these; "none":
+  // one robot.
+  std::string robots;
+  // Topics, of several robots as within its namespace; empty: the only one of its kind. `odometry` may be
+  // "tf", `scans` and `sonars` "none".
   std::string odometry;
   std::string
       wheels;        // "LEFT_JOINT,RIGHT_JOINT,RADIUS_M,DISTANCE_M" (wheels.h); empty: no odometry of joints
@@ -31,7 +35,7 @@ struct BagImportOptions {
   std::optional<double> from_s, until_s;  // since the first message, or, from 1e8 on, as the log has them
 };
 
-// Writes a `log` (schema/FORMAT.md) of one robot. Lasers are `laser`, `laser2`, … in the order of `scans`;
+// Writes a `log` (schema/FORMAT.md). Lasers are `laser`, `laser2`, … in the order of `scans`;
 // all sonars one ring `sonar` (infra-red sensors: `infrared`), a scan of which is what its sensors said in
 // turn, at the time of the last of them. Poses are those of the odometry's topic, or of the frame that moves
 // on "odom". Sensors sit where tf says. Markers become observations of landmarks. Throws

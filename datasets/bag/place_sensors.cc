@@ -23,9 +23,11 @@ Transform Level(const Pose& pose) {
 
 class BagLog {
  public:
-  BagLog(Gathered gathered, ImportReport report) : in_(std::move(gathered)), report_(std::move(report)) {}
+  BagLog(Gathered gathered, ImportReport* report) : in_(std::move(gathered)), report_(*report) {}
 
-  ImportReport Make(Blob* log) {
+  // Of several robots the first whose covariances say something counts.
+  RangeLog Make(NoiseParameters* noise) {
+    if (!in_.robot.empty()) ranges_.robot = in_.robot;
     ranges_.path = in_.path + ": " + in_.odometry_topic;
     ranges_.before_line = ", message ";
     if (in_.odometry_topic == "tf") TakeOdometryOfFrames();
@@ -46,14 +48,19 @@ class BagLog {
     for (const Sighting& seen : in_.landmarks) AddLandmark(seen);
     // Topics come one after the other; MakeRangeLog wants them in the order of time, as far as that goes.
     std::ranges::stable_sort(ranges_.events, {}, &RangeEvent::stamp_s);
-    BadLines none(true);
-    return MakeRangeLog(std::move(ranges_), in_.noise, &none, std::move(report_), log);
+    if (!noise->heading_walk_rad_per_sqrt_m)
+      noise->heading_walk_rad_per_sqrt_m = in_.noise.heading_walk_rad_per_sqrt_m;
+    return std::move(ranges_);
   }
 
  private:
   void TakeOdometryOfFrames() {
     auto moving = in_.frames.MovingOn("odom");
-    if (!in_.base.empty()) std::erase_if(moving, [&](const auto& one) { return one.second != in_.base; });
+    const auto is_own = [&](const auto& one) { return one.second.starts_with(in_.robot + "/"); };
+    if (!in_.robot.empty() && std::ranges::any_of(moving, is_own))
+      std::erase_if(moving, [&](const auto& one) { return !is_own(one); });
+    if (!in_.base.empty())
+      std::erase_if(moving, [&](const auto& one) { return one.second != OwnFrame(in_.base); });
     if (moving.empty()) {
       if (!in_.poses.empty()) return;
       const std::string velocities = TopicList(in_.topics, {Use::kVelocity});
@@ -77,8 +84,15 @@ class BagLog {
         static_cast<std::int64_t>(number);
   }
 
+  // In tf of several robots their frames begin with their names.
+  std::string OwnFrame(const std::string& frame) const {
+    const std::string own = in_.robot + "/" + frame;
+    return !in_.robot.empty() && in_.frames.Knows(own) ? own : frame;
+  }
+
   void ChooseBase() {
     if (in_.base.empty()) in_.base = in_.odometry.base;
+    if (!in_.frames.Knows(in_.base)) in_.base = OwnFrame(in_.base);
     const auto has_sensor = [&](const std::string& frame) {
       return std::ranges::any_of(in_.scans, [&](const auto& scan) { return scan->frame == frame; });
     };
@@ -133,9 +147,16 @@ class BagLog {
                                  ": no noise is taken from them");
   }
 
+  // "/scan" of "/robot1/scan".
+  std::string WithoutRobot(const std::string& name) const {
+    const std::size_t at = name.starts_with('/') ? 1 : 0;
+    if (in_.robot.empty() || name.compare(at, in_.robot.size() + 1, in_.robot + "/") != 0) return name;
+    return name.substr(0, at) + name.substr(at + in_.robot.size() + 1);
+  }
+
   // Where what lies in `frame` lies on the robot. Throws InputError where nothing says so.
   Transform MountOf(const std::string& topic, const std::string& frame) {
-    for (const std::string& name : {topic, frame})
+    for (const std::string& name : {topic, frame, WithoutRobot(topic), WithoutRobot(frame)})
       if (const auto given = in_.mounts.find(name); given != in_.mounts.end()) return Level(given->second);
     if (frame == in_.base) return {};
     if (frame.empty()) {
@@ -260,7 +281,7 @@ class BagLog {
   }
 
   Gathered in_;
-  ImportReport report_;
+  ImportReport& report_;
   RangeLog ranges_;
   std::size_t lasers_ = 0;
   std::map<std::string, Transform> cameras_;  // by frame
@@ -269,8 +290,12 @@ class BagLog {
 
 }  // namespace
 
-ImportReport MakeBagLog(Gathered gathered, ImportReport report, Blob* log) {
-  return BagLog(std::move(gathered), std::move(report)).Make(log);
+ImportReport MakeBagLog(std::vector<Gathered> robots, ImportReport report, Blob* log) {
+  NoiseParameters noise = robots.front().noise;
+  std::vector<RangeLog> ranges;
+  for (Gathered& robot : robots) ranges.push_back(BagLog(std::move(robot), &report).Make(&noise));
+  BadLines none(true);
+  return MakeRangeLog(std::move(ranges), noise, &none, std::move(report), log);
 }
 
 }  // namespace cairn::datasets::bag

@@ -14,7 +14,8 @@
 namespace cairn::datasets::bag {
 
 struct Gathered {
-  std::string path;  // for messages
+  std::string robot;  // its namespace; empty: it has none
+  std::string path;   // for messages
   NoiseParameters noise;
   std::string odometry_topic;          // "tf": that of a frame which moves on "odom"
   std::string base;                    // the robot's frame; empty: that of the odometry
@@ -31,6 +32,6 @@ struct Gathered {
 };
 
 // As ImportBag says (import_bag.h).
-ImportReport MakeBagLog(Gathered gathered, ImportReport report, Blob* log);
+ImportReport MakeBagLog(std::vector<Gathered> robots, ImportReport report, Blob* log);
 
 }  // namespace cairn::datasets::bag

@@ -105,8 +105,8 @@ class VelocityReader : public TopicReader {
 
 class TransformReader : public TopicReader {
  public:
-  TransformReader(bool are_static, FrameTree* frames, FollowedFrames* followed)
-      : are_static_(are_static), frames_(*frames), followed_(*followed) {}
+  TransformReader(bool are_static, std::vector<TransformsOf> robots)
+      : are_static_(are_static), robots_(std::move(robots)) {}
   std::vector<std::string> paths() const override {
     std::vector<std::string> paths = PosePaths("transforms.transform.", "translation", "rotation");
     for (const char* path :
@@ -123,20 +123,24 @@ class TransformReader : public TopicReader {
       const Transform transform = TransformIn(found, 0, i);
       // A static transform holds at all times, and may have none.
       const double stamp_s = clock->TransformTime(stamps[i], message.receive_ns);
-      const std::string child = FrameName(children[i]);
-      Follow(child, FrameName(parents[i]), transform, stamps[i], message.number, clock->WithinPath(stamp_s));
-      frames_.Add(FrameName(parents[i]), child, stamp_s, transform);
+      const std::string child = FrameName(children[i]), parent = FrameName(parents[i]);
+      const auto time_s = are_static_ ? std::nullopt : clock->WithinPath(stamp_s);
+      for (const TransformsOf& robot : robots_) {
+        if (time_s)
+          Follow(
+              {stamps[i], {*time_s, message.number, child, {transform.x, transform.y, transform.z}, parent}},
+              robot.followed);
+        robot.frames->Add(parent, child, stamp_s, transform);
+      }
     }
   }
 
  private:
-  void Follow(const std::string& child, const std::string& parent, const Transform& transform, double stamp_s,
-              std::size_t number, const std::optional<double>& time_s) {
-    if (are_static_ || !time_s) return;
-    const Sighting seen{*time_s, number, child, {transform.x, transform.y, transform.z}, parent};
-    if (followed_.with_tags && IsTag(child)) followed_.tags.push_back({stamp_s, seen});
-    if (std::ranges::any_of(followed_.beginnings, [&](const auto& b) { return child.starts_with(b); }))
-      followed_.seen.push_back({stamp_s, seen});
+  static void Follow(const FrameSighting& one, FollowedFrames* followed) {
+    const std::string& frame = one.seen.name;
+    if (followed->with_tags && IsTag(frame)) followed->tags.push_back(one);
+    if (std::ranges::any_of(followed->beginnings, [&](const auto& b) { return frame.starts_with(b); }))
+      followed->seen.push_back(one);
   }
   // "tag36h11:7".
   static bool IsTag(std::string_view frame) {
@@ -146,8 +150,7 @@ class TransformReader : public TopicReader {
   }
 
   bool are_static_;
-  FrameTree& frames_;
-  FollowedFrames& followed_;
+  std::vector<TransformsOf> robots_;
 };
 
 class ScanReader : public TopicReader {
@@ -320,8 +323,8 @@ std::unique_ptr<TopicReader> ReadOdometry(OdometryRows* rows) {
 std::unique_ptr<TopicReader> ReadVelocity(const std::string& type, OdometryRows* rows) {
   return std::make_unique<VelocityReader>(type, rows);
 }
-std::unique_ptr<TopicReader> ReadTransforms(bool are_static, FrameTree* frames, FollowedFrames* followed) {
-  return std::make_unique<TransformReader>(are_static, frames, followed);
+std::unique_ptr<TopicReader> ReadTransforms(bool are_static, std::vector<TransformsOf> robots) {
+  return std::make_unique<TransformReader>(are_static, std::move(robots));
 }
 std::unique_ptr<TopicReader> ReadScans(const std::string& type, ScanTopic* topic) {
   if (type == "sensor_msgs/Range") return std::make_unique<ConeReader>(topic);

@@ -118,8 +118,13 @@ struct OdometryRows {
 std::unique_ptr<TopicReader> ReadOdometry(OdometryRows* rows);
 // Of kVelocity: poses that follow from it, each velocity holding until the next one.
 std::unique_ptr<TopicReader> ReadVelocity(const std::string& type, OdometryRows* rows);
-// `are_static`: they hold at all times, and are no sightings.
-std::unique_ptr<TopicReader> ReadTransforms(bool are_static, FrameTree* frames, FollowedFrames* followed);
+// What a robot has of them.
+struct TransformsOf {
+  FrameTree* frames = nullptr;
+  FollowedFrames* followed = nullptr;
+};
+// For each of the robots. `are_static`: they hold at all times, and are no sightings.
+std::unique_ptr<TopicReader> ReadTransforms(bool are_static, std::vector<TransformsOf> robots);
 // Of kScan and kCone.
 std::unique_ptr<TopicReader> ReadScans(const std::string& type, ScanTopic* topic);
 // Of kPose and kOdometry; of a path that grows from message to message its last state counts.

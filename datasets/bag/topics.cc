@@ -64,6 +64,16 @@ bool IsOf(const Topic& topic, const std::vector<Use>& uses) {
 
 }  // namespace
 
+std::vector<std::string> AtCommas(const std::string& text) {
+  std::vector<std::string> parts;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    parts.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return parts;
+}
+
 std::string NearestNames(const std::vector<std::string>& names, const std::string& name) {
   constexpr std::size_t kMostShown = 5, kMostLetters = 200;
   std::vector<std::pair<std::size_t, std::string>> sorted;

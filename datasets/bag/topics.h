@@ -47,6 +47,8 @@ const Topic& FindTopic(const std::vector<Topic>& topics, const std::string& name
 // The only topic of `use` that has messages; nothing where there is none. Throws InputError where there are
 // several: `option` chooses.
 const Topic* OnlyTopic(const std::vector<Topic>& topics, Use use, const std::string& option);
+// "a,b" as "a" and "b".
+std::vector<std::string> AtCommas(const std::string& text);
 // "'targets.x', …": those of `names` that are most like `name`.
 std::string NearestNames(const std::vector<std::string>& names, const std::string& name);
 // "/odom (1200 messages of nav_msgs/Odometry), …" of those of `uses` with messages.

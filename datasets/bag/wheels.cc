@@ -73,12 +73,7 @@ class WheelReader : public TopicReader {
 }  // namespace
 
 Wheels ParseWheels(const std::string& text) {
-  std::vector<std::string> parts;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    parts.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
+  const std::vector<std::string> parts = AtCommas(text);
   const char* reason = nullptr;
   if (parts.size() == 4 && !parts[0].empty() && !parts[1].empty() && parts[0] != parts[1]) {
     const auto radius = ParseNumber(parts[2], &reason), distance = ParseNumber(parts[3], &reason);

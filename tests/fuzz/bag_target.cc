@@ -92,6 +92,13 @@ std::vector<Bytes> BagSeeds() {
   std::vector<std::string> files;
   for (const char* how : {"none", "lz4", "bz2"}) files.push_back(bag::Ros1Bytes(Drive(To::kRos1), how));
   files.push_back(bag::Ros1Bytes(Drive(To::kRos1), "none", false));
+  std::vector<bag::BagMessage> two;  // robots, by their namespaces
+  for (const char* robot : {"/a", "/b"})
+    for (bag::BagMessage message : Drive(To::kRos1)) {
+      message.topic = robot + message.topic;
+      two.push_back(std::move(message));
+    }
+  files.push_back(bag::Ros1Bytes(two));
   for (const char* how : {"", "lz4", "zstd"}) files.push_back(bag::McapBytes(Drive(To::kCdr), how));
   files.push_back(bag::McapBytes(Drive(To::kBigCdr), "", bag::McapForm::kWithoutIndex));
   files.push_back(bag::McapBytes(Drive(To::kCdr), "", bag::McapForm::kWithoutChunks));

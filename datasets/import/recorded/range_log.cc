@@ -137,10 +137,11 @@ void Order(RangeLog* log, BadLines* bad, ImportReport* report) {
 }
 
 // Scans and marks, those aside of the odometry's time left out.
-void AddSensed(RangeLog* log, double first_s, double last_s, ImportReport* report, LogRows* rows) {
+void AddSensed(RangeLog* log, double first_s, double last_s, NameIndex* known, ImportReport* report,
+               RobotRows* to) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  RobotRows& robot = rows->robots.front();
-  NameIndex names;
+  RobotRows& robot = *to;
+  NameIndex& names = *known;
   for (RangeEvent& event : log->events) {
     if (IsPoseAlone(event)) continue;
     if (event.stamp_s < first_s || event.stamp_s > last_s) {
@@ -159,10 +160,25 @@ void AddSensed(RangeLog* log, double first_s, double last_s, ImportReport* repor
     const std::int32_t landmark = named ? names.FindOrAdd(*event.mark) : -1;
     if (event.mark) robot.observations.Add(event.stamp_s, landmark, kNan, kNan);
   }
-  rows->landmarks = names.names();
   for (RangeRows& sensor : log->sensors) {
     if (!sensor.time_s.empty()) robot.ranges.push_back(std::move(sensor));
   }
+}
+
+void AddRobot(RangeLog* ranges, BadLines* bad, NameIndex* names, ImportReport* report, RobotRows* robot) {
+  Order(ranges, bad, report);
+  const Poses corrected = PosesOf(*ranges, &RangeEvent::corrected);
+  Poses odometry = PosesOf(*ranges, &RangeEvent::odometry);
+  if (odometry.time_s.empty()) odometry = corrected;
+  if (odometry.time_s.empty())
+    throw InputError(ranges->path + ": there is neither odometry nor a pose in it");
+  const double first_s = odometry.time_s.front(), last_s = odometry.time_s.back();
+  robot->name = ranges->robot;
+  robot->odometry = ControlsOf(TrackOf(odometry));
+  robot->odometry_poses = std::move(odometry);
+  robot->poses = corrected;
+  robot->truth = PosesOf(*ranges, &RangeEvent::truth);
+  AddSensed(ranges, first_s, last_s, names, report, robot);
 }
 
 }  // namespace
@@ -184,23 +200,20 @@ RangeRows LaserFan(const std::string& sensor, std::size_t beams, double step_deg
 
 ImportReport MakeRangeLog(RangeLog ranges, const NoiseParameters& noise, BadLines* bad, ImportReport report,
                           Blob* log) {
-  Order(&ranges, bad, &report);
-  const Poses corrected = PosesOf(ranges, &RangeEvent::corrected);
-  Poses odometry = PosesOf(ranges, &RangeEvent::odometry);
-  if (odometry.time_s.empty()) odometry = corrected;
-  if (odometry.time_s.empty()) throw InputError(ranges.path + ": there is neither odometry nor a pose in it");
-  const double first_s = odometry.time_s.front(), last_s = odometry.time_s.back();
+  std::vector<RangeLog> robots;
+  robots.push_back(std::move(ranges));
+  return MakeRangeLog(std::move(robots), noise, bad, std::move(report), log);
+}
+
+ImportReport MakeRangeLog(std::vector<RangeLog> robots, const NoiseParameters& noise, BadLines* bad,
+                          ImportReport report, Blob* log) {
   LogRows rows;
   rows.noise = noise;
-  RobotRows& robot = rows.robots.emplace_back();
-  robot.name = ranges.robot;
-  robot.odometry = ControlsOf(TrackOf(odometry));
-  robot.odometry_poses = std::move(odometry);
-  robot.poses = corrected;
-  robot.truth = PosesOf(ranges, &RangeEvent::truth);
-  AddSensed(&ranges, first_s, last_s, &report, &rows);
+  NameIndex names;
+  for (RangeLog& ranges : robots) AddRobot(&ranges, bad, &names, &report, &rows.robots.emplace_back());
+  rows.landmarks = names.names();
   report.skipped = bad->counts();
-  *log = MakeLog(rows, ranges.path, &report);
+  *log = MakeLog(rows, robots.front().path, &report);
   return report;
 }
 

@@ -22,6 +22,8 @@ int ImportBag(const BagOptions& options, const Invocation&) {
 }
 
 void AddTopics(Command command, datasets::BagImportOptions& bag) {
+  command.Add("--robots", bag.robots,
+              "NAMESPACE,NAMESPACE of several robots (else found where all topics lie in several); 'none'");
   command.Add("--odometry", bag.odometry,
               "Topic of nav_msgs/Odometry, or of velocities (Twist); 'tf': the frame that moves on 'odom'");
   command.Add("--wheels", bag.wheels,
