@@ -25,16 +25,37 @@ class TopicChoice {
     ChooseGyro();
     ChooseScans(Use::kScan, "--scan", options_.scans);
     ChooseScans(Use::kCone, "--sonar", options_.sonars);
-    for (const auto& [option, name, rows] : {std::tuple{"--truth", &options_.truth, &into_.truth},
-                                             std::tuple{"--poses", &options_.poses, &into_.poses}}) {
-      if (name->empty()) continue;
-      const Topic& topic = FindTopic(topics_, *name, {Use::kPose, Use::kOdometry}, option);
-      add_(topic, ReadPoses(topic.type, rows));
-    }
+    ChoosePoses("--truth", options_.truth, &into_.truth, &into_.truth_by_tf);
+    ChoosePoses("--poses", options_.poses, &into_.poses, &into_.poses_by_tf);
     for (const std::string& text : options_.landmarks) ChooseLandmarks(ParseLandmarkSource(text));
+    CompareWithOtherOdometries();
   }
 
  private:
+  void ChoosePoses(const char* option, const std::string& name, std::vector<PoseRow>* rows, bool* by_tf) {
+    if (name.empty()) return;
+    *by_tf = name == "tf";
+    if (*by_tf) return;
+    std::vector<Use> uses = {Use::kPose, Use::kOdometry};
+    if (rows == &into_.truth) uses.push_back(Use::kFix);
+    const Topic& topic = FindTopic(topics_, name, uses, option);
+    if (topic.use->use != Use::kFix) return add_(topic, ReadPoses(topic.type, rows));
+    into_.fixes.topic = topic.name;
+    add_(topic, ReadFixes(&into_.fixes));
+  }
+
+  // Whatever the log has, it is held against these.
+  void CompareWithOtherOdometries() {
+    for (const Topic& topic : topics_) {
+      if (topic.use == nullptr || topic.use->use != Use::kOdometry || topic.name == into_.odometry_topic ||
+          topic.name == options_.truth || topic.name == options_.poses)
+        continue;
+      into_.others.push_back(std::make_unique<OtherOdometry>());
+      into_.others.back()->topic = topic.name;
+      add_(topic, ReadOdometry(&into_.others.back()->rows, true));
+    }
+  }
+
   void ChooseLandmarks(const LandmarkSource& source) {
     if (!source.beginning.empty()) {
       into_.followed.beginnings.push_back(source.beginning);

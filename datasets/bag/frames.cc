@@ -123,10 +123,13 @@ bool FrameTree::Knows(const std::string& frame) const {
   return std::ranges::any_of(frames_, [&](const auto& one) { return one.second.parent == frame; });
 }
 
-std::vector<std::pair<std::string, std::string>> FrameTree::MovingOn(const std::string& parent) const {
-  std::vector<std::pair<std::string, std::string>> moving;
+FrameTree::Links FrameTree::MovingOn(const std::string& parent, const std::string& robot) const {
+  Links moving;
   for (const auto& [name, frame] : frames_)
     if (IsCalled(frame.parent, parent) && frame.track.size() > 1) moving.emplace_back(frame.parent, name);
+  const auto is_own = [&](const auto& link) { return link.second.starts_with(robot + "/"); };
+  if (!robot.empty() && std::ranges::any_of(moving, is_own))
+    std::erase_if(moving, [&](const auto& link) { return !is_own(link); });
   return moving;
 }
 

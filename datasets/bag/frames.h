@@ -51,8 +51,10 @@ class FrameTree {
   bool Knows(const std::string& frame) const;
   std::size_t size() const { return frames_.size(); }
 
-  // Frames that move on a frame called `parent` ("odom", "robot1/odom"), with the parent.
-  std::vector<std::pair<std::string, std::string>> MovingOn(const std::string& parent) const;
+  using Links = std::vector<std::pair<std::string, std::string>>;  // a parent, and a frame on it
+  // Frames that move on a frame called `parent` ("odom", "robot1/odom"); where some of them are called
+  // "`robot`/…", these.
+  Links MovingOn(const std::string& parent, const std::string& robot) const;
   // What is known of such a frame's path, in the order of messages.
   const std::vector<TimedPose>& TrackOf(const std::string& child) const;
 

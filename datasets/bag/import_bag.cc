@@ -143,6 +143,7 @@ class BagImport {
         reader.reader = ReaderOf(channel, *topic->reader);
         reader.topic = &*topic;
       } catch (const bag::Damage& damage) {
+        if (topic->reader->is_aside()) continue;
         bad_.Add(file.path() + ": " + channel.topic, {"a definition that cannot be used", damage.what});
       }
     }
@@ -205,6 +206,7 @@ class BagImport {
 
   void BadMessage(const bag::Container& one, const TopicInHand& topic, const bag::Message& message,
                   const LineError& error) {
+    if (topic.reader->is_aside()) return;
     bad_.Add(one.path() + ": message " + std::to_string(message.number) + " of " + topic.name, error);
   }
 
@@ -212,6 +214,7 @@ class BagImport {
   void CheckSkipped() {
     std::int64_t taken = 0;
     for (const TopicInHand& topic : in_hand_) {
+      if (topic.reader->is_aside()) continue;
       taken += topic.taken;
       if (topic.taken > 0) report_.read["messages of " + topic.name] = topic.taken;
     }
@@ -232,7 +235,7 @@ class BagImport {
         std::ranges::find_if(in_hand_, [](const auto& t) { return t.clock.least_delay_s().has_value(); });
     if (first == in_hand_.end()) return;
     for (const TopicInHand& topic : in_hand_) {
-      if (!topic.clock.least_delay_s()) continue;
+      if (!topic.clock.least_delay_s() || topic.reader->is_aside()) continue;
       const double apart_s = *topic.clock.least_delay_s() - *first->clock.least_delay_s();
       if (std::abs(apart_s) <= kMostApart_s) continue;
       report_.warnings.push_back(topic.name + ": the clock of its headers is " +

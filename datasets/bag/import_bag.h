@@ -19,12 +19,11 @@ struct BagImportOptions {
   // "NAMESPACE,NAMESPACE", of a robot each; empty: where all topics lie in several namespaces these; "none":
   // one robot.
   std::string robots;
-  // Topics, of several robots as within its namespace; empty: the only one of its kind. `odometry` may be
-  // "tf", `scans` and `sonars` "none".
+  // Topics, of several robots as within its namespace; empty: the only one of its kind. `odometry`, `truth`
+  // and `poses` may be "tf", `scans` and `sonars` "none".
   std::string odometry;
-  std::string
-      wheels;        // "LEFT_JOINT,RIGHT_JOINT,RADIUS_M,DISTANCE_M" (wheels.h); empty: no odometry of joints
-  std::string gyro;  // whose turn is the odometry's; "TOPIC*FACTOR" (landmark_readers.h)
+  std::string wheels;  // "LEFT_JOINT,RIGHT_JOINT,RADIUS_M,DISTANCE_M" (wheels.h), for odometry by joints
+  std::string gyro;    // whose turn is the odometry's; "TOPIC*FACTOR" (landmark_readers.h)
   std::vector<std::string> scans, sonars;
   // Only where they are named: a pose may be where somebody wants the robot to go.
   std::string truth, poses;

@@ -49,6 +49,10 @@ constexpr std::array kKnown = {
           "float64[9] orientation_covariance\ngeometry_msgs/Vector3 angular_velocity\n"
           "float64[9] angular_velocity_covariance\ngeometry_msgs/Vector3 linear_acceleration\n"
           "float64[9] linear_acceleration_covariance\n"},
+    Known{"sensor_msgs/NavSatStatus", "int8 status\nuint16 service\n"},
+    Known{"sensor_msgs/NavSatFix",
+          "std_msgs/Header header\nsensor_msgs/NavSatStatus status\nfloat64 latitude\nfloat64 longitude\n"
+          "float64 altitude\nfloat64[9] position_covariance\nuint8 position_covariance_type\n"},
     Known{"sensor_msgs/PointField", "string name\nuint32 offset\nuint8 datatype\nuint32 count\n"},
     Known{"sensor_msgs/PointCloud2",
           "std_msgs/Header header\nuint32 height\nuint32 width\nPointField[] fields\nbool is_bigendian\n"
@@ -60,7 +64,8 @@ constexpr std::array kKnown = {
     Known{"apriltag_msgs/AprilTagDetection",
           "string family\nint32 id\nint32 hamming\nfloat32 goodness\nfloat32 decision_margin\n"
           "float64[2] centre\nfloat64[8] corners\nfloat64[9] homography\n"},
-    Known{"apriltag_msgs/AprilTagDetectionArray", "std_msgs/Header header\nAprilTagDetection[] detections\n"},
+    Known{"apriltag_msgs/AprilTagDetectionArray",
+          "std_msgs/Header header\napriltag_msgs/AprilTagDetection[] detections\n"},
     Known{"tf2_msgs/TFMessage", "geometry_msgs/TransformStamped[] transforms\n"},
 };
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "datasets/bag/landmark_readers.h"
+#include "datasets/bag/tracks.h"
 #include "schema/error.h"
 #include "schema/text.h"
 
@@ -26,7 +27,7 @@ class BagLog {
   BagLog(Gathered gathered, ImportReport* report) : in_(std::move(gathered)), report_(*report) {}
 
   // Of several robots the first whose covariances say something counts.
-  RangeLog Make(NoiseParameters* noise) {
+  RangeLog Make(NoiseParameters* noise, std::optional<Fix>* origin) {
     if (!in_.robot.empty()) ranges_.robot = in_.robot;
     ranges_.path = in_.path + ": " + in_.odometry_topic;
     ranges_.before_line = ", message ";
@@ -35,7 +36,10 @@ class BagLog {
     if (in_.odometry.poses.empty() && !in_.odometry.other_joints.empty())
       throw InputError(in_.path + ": no message of " + in_.odometry_topic +
                        " has both wheels; it has the joints " + NameList(in_.odometry.other_joints, 20));
+    CompareWithOthers();
     if (!in_.gyro.topic.empty()) TurnOdometry();
+    TakePosesOfTf();
+    if (!in_.fixes.topic.empty()) in_.truth = PosesOfFixes(in_.fixes, origin, &report_);
     for (const PoseRow& row : in_.odometry.poses) AddPose(row, &RangeEvent::odometry);
     for (const PoseRow& row : in_.truth) AddPose(row, &RangeEvent::truth);
     for (const PoseRow& row : in_.poses) AddPose(row, &RangeEvent::corrected);
@@ -55,14 +59,11 @@ class BagLog {
 
  private:
   void TakeOdometryOfFrames() {
-    auto moving = in_.frames.MovingOn("odom");
-    const auto is_own = [&](const auto& one) { return one.second.starts_with(in_.robot + "/"); };
-    if (!in_.robot.empty() && std::ranges::any_of(moving, is_own))
-      std::erase_if(moving, [&](const auto& one) { return !is_own(one); });
+    auto moving = in_.frames.MovingOn("odom", in_.robot);
     if (!in_.base.empty())
       std::erase_if(moving, [&](const auto& one) { return one.second != OwnFrame(in_.base); });
     if (moving.empty()) {
-      if (!in_.poses.empty()) return;
+      if (!in_.poses.empty() || in_.poses_by_tf) return;
       const std::string velocities = TopicList(in_.topics, {Use::kVelocity});
       throw InputError(
           in_.path + ": no odometry: neither a topic of nav_msgs/Odometry nor a frame that moves on " +
@@ -77,11 +78,9 @@ class BagLog {
     }
     in_.odometry.frame = moving.front().first;
     in_.odometry.base = moving.front().second;
-    std::size_t number = 0;
-    for (const TimedPose& pose : in_.frames.TrackOf(in_.odometry.base))
-      if (pose.time_s > 0) in_.odometry.poses.push_back({pose.time_s, ++number, pose.pose});
+    in_.odometry.poses = RowsOf(in_.frames.TrackOf(in_.odometry.base));
     report_.read["transforms of " + in_.odometry.base + " on " + in_.odometry.frame + ", as odometry"] =
-        static_cast<std::int64_t>(number);
+        static_cast<std::int64_t>(in_.odometry.poses.size());
   }
 
   // In tf of several robots their frames begin with their names.
@@ -98,6 +97,31 @@ class BagLog {
     };
     for (const char* usual : {"base_link", "base_footprint"})
       if (in_.base.empty() && (in_.frames.Knows(usual) || has_sensor(usual))) in_.base = usual;
+  }
+
+  void CompareWithOthers() {
+    const NamedTrack chosen{in_.odometry_topic, in_.odometry.poses};
+    for (const auto& other : in_.others)
+      CompareOdometries(chosen, {other->topic, other->rows.poses}, &report_);
+    if (in_.odometry_topic == "tf") return;
+    for (const auto& [parent, child] : in_.frames.MovingOn("odom", in_.robot))
+      if (child == in_.base || child.ends_with("base_link") || child.ends_with("base_footprint"))
+        CompareOdometries(chosen, {parent + " > " + child + " of tf", RowsOf(in_.frames.TrackOf(child))},
+                          &report_);
+  }
+
+  static std::vector<PoseRow> RowsOf(const std::vector<TimedPose>& track) {
+    std::vector<PoseRow> rows;
+    for (const TimedPose& pose : track)
+      if (pose.time_s > 0) rows.push_back({pose.time_s, rows.size() + 1, pose.pose});
+    return rows;
+  }
+
+  void TakePosesOfTf() {
+    if (in_.truth_by_tf)
+      in_.truth = PosesOnMap(in_.frames, in_.robot, in_.base, in_.path + ": --truth tf", &report_);
+    if (in_.poses_by_tf)
+      in_.poses = PosesOnMap(in_.frames, in_.robot, in_.base, in_.path + ": --poses tf", &report_);
   }
 
   void TurnOdometry() {
@@ -293,7 +317,8 @@ class BagLog {
 ImportReport MakeBagLog(std::vector<Gathered> robots, ImportReport report, Blob* log) {
   NoiseParameters noise = robots.front().noise;
   std::vector<RangeLog> ranges;
-  for (Gathered& robot : robots) ranges.push_back(BagLog(std::move(robot), &report).Make(&noise));
+  std::optional<Fix> origin;  // of all their fixes
+  for (Gathered& robot : robots) ranges.push_back(BagLog(std::move(robot), &report).Make(&noise, &origin));
   BadLines none(true);
   return MakeRangeLog(std::move(ranges), noise, &none, std::move(report), log);
 }

@@ -6,12 +6,19 @@
 #include <string>
 #include <vector>
 
+#include "datasets/bag/fixes.h"
 #include "datasets/bag/gyro.h"
 #include "datasets/bag/readers.h"
 #include "datasets/import/log_rows.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets::bag {
+
+// An odometry that the log does not have: the one that it has is compared with it.
+struct OtherOdometry {
+  std::string topic;
+  OdometryRows rows;
+};
 
 struct Gathered {
   std::string robot;  // its namespace; empty: it has none
@@ -21,10 +28,13 @@ struct Gathered {
   std::string base;                    // the robot's frame; empty: that of the odometry
   std::map<std::string, Pose> mounts;  // by topic or frame
   OdometryRows odometry;
+  std::vector<std::unique_ptr<OtherOdometry>> others;
   GyroRows gyro;  // without a topic there is none
   FrameTree frames;
   std::vector<std::unique_ptr<ScanTopic>> scans, sonars;
   std::vector<PoseRow> truth, poses;
+  bool truth_by_tf = false, poses_by_tf = false;  // they are those of the robot on "map"
+  FixRows fixes;                                  // the truth, where it has a topic
   std::vector<Sighting> landmarks;
   std::vector<FrameSighting> tags;  // detections of tags that are where their frames are
   FollowedFrames followed;

@@ -40,7 +40,7 @@ Transform TransformIn(const std::vector<Found>& found, std::size_t path, std::si
 
 class OdometryReader : public TopicReader {
  public:
-  explicit OdometryReader(OdometryRows* rows) : rows_(*rows) {}
+  OdometryReader(OdometryRows* rows, bool is_aside) : rows_(*rows), is_aside_(is_aside) {}
   std::vector<std::string> paths() const override {
     std::vector<std::string> paths = PosePaths("pose.pose.", "position", "orientation");
     for (const char* path : {"header.stamp", "header.frame_id", "child_frame_id", "pose.covariance"})
@@ -63,9 +63,11 @@ class OdometryReader : public TopicReader {
     rows_.last_variance = variance;
     rows_.poses.push_back({*time_s, message.number, pose.Planar()});
   }
+  bool is_aside() const override { return is_aside_; }
 
  private:
   OdometryRows& rows_;
+  bool is_aside_;
 };
 
 class VelocityReader : public TopicReader {
@@ -317,8 +319,8 @@ double TopicClock::TransformTime(double header_s, std::int64_t receive_ns) const
   return options_.by_receipt ? SecondsOf(receive_ns) : header_s;
 }
 
-std::unique_ptr<TopicReader> ReadOdometry(OdometryRows* rows) {
-  return std::make_unique<OdometryReader>(rows);
+std::unique_ptr<TopicReader> ReadOdometry(OdometryRows* rows, bool is_aside) {
+  return std::make_unique<OdometryReader>(rows, is_aside);
 }
 std::unique_ptr<TopicReader> ReadVelocity(const std::string& type, OdometryRows* rows) {
   return std::make_unique<VelocityReader>(type, rows);

@@ -96,6 +96,8 @@ class TopicReader {
   virtual std::size_t needed() const = 0;
   // Whether somebody named the paths: then there is no doing without them.
   virtual bool fields_are_named() const { return false; }
+  // Whether nothing of it comes into the log: what is bad of it does not matter.
+  virtual bool is_aside() const { return false; }
   // Throws LineError where the message cannot be used.
   virtual void Take(const std::vector<Found>& found, const Message& message, TopicClock* clock) = 0;
 };
@@ -115,7 +117,7 @@ struct OdometryRows {
   // Variances of the heading that its first and last messages state.
   double first_variance = 0, last_variance = 0;
 };
-std::unique_ptr<TopicReader> ReadOdometry(OdometryRows* rows);
+std::unique_ptr<TopicReader> ReadOdometry(OdometryRows* rows, bool is_aside = false);
 // Of kVelocity: poses that follow from it, each velocity holding until the next one.
 std::unique_ptr<TopicReader> ReadVelocity(const std::string& type, OdometryRows* rows);
 // What a robot has of them.

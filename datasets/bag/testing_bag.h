@@ -117,6 +117,15 @@ inline std::string JointMessage(Encoder::To to, double stamp_s, const std::vecto
   return out.text();
 }
 
+// `status`: -1 is no fix.
+inline std::string FixMessage(Encoder::To to, double stamp_s, double latitude_deg, double longitude_deg,
+                              std::int8_t status = 0, double variance = 0) {
+  Encoder out(to);
+  out.Header(stamp_s, "gps").Put(status).Put<std::uint16_t>(1).Doubles({latitude_deg, longitude_deg, 100});
+  for (int i = 0; i < 9; ++i) out.Put(i % 4 == 0 ? variance : 0.0);
+  return out.Put<std::uint8_t>(variance > 0 ? 2 : 0).text();
+}
+
 // As apriltag_ros of ROS 2 has it: where in the image tags of 36h11 are.
 inline std::string TagsMessage(Encoder::To to, double stamp_s, const std::vector<int>& ids) {
   Encoder out(to);
@@ -138,7 +147,8 @@ inline std::string DefinitionText(const std::string& type, bool is_ros1, const s
        {"std_msgs/Header", "geometry_msgs/Point", "geometry_msgs/Vector3", "geometry_msgs/Quaternion",
         "geometry_msgs/Pose", "geometry_msgs/PoseStamped", "geometry_msgs/PoseWithCovariance",
         "geometry_msgs/Transform", "geometry_msgs/TransformStamped", "geometry_msgs/Twist",
-        "geometry_msgs/TwistWithCovariance", "sensor_msgs/LaserEcho", "apriltag_msgs/AprilTagDetection"}) {
+        "geometry_msgs/TwistWithCovariance", "sensor_msgs/LaserEcho", "apriltag_msgs/AprilTagDetection",
+        "sensor_msgs/NavSatStatus"}) {
     text += std::string(80, '=') + "\nMSG: " + part + "\n";
     if (is_ros1 && std::string_view(part) == "std_msgs/Header")
       text += "# of ROS 1\nuint32 seq\ntime stamp\nstring frame_id\n";

@@ -31,6 +31,7 @@ constexpr std::array kUses = {
     TypeUse{"geometry_msgs/PoseWithCovarianceStamped", Use::kPose, kAsTruth},
     TypeUse{"geometry_msgs/TransformStamped", Use::kPose, kAsTruth},
     TypeUse{"nav_msgs/Path", Use::kPose, kAsTruth},
+    TypeUse{"sensor_msgs/NavSatFix", Use::kFix, "true positions, with --truth"},
     TypeUse{"apriltag_ros/AprilTagDetectionArray", Use::kLandmarks, kAsMarkers},
     TypeUse{"ar_track_alvar_msgs/AlvarMarkers", Use::kLandmarks, kAsMarkers},
     TypeUse{"aruco_msgs/MarkerArray", Use::kLandmarks, kAsMarkers},

@@ -21,6 +21,7 @@ enum class Use {
   kScan,        // of a laser
   kCone,        // of a sonar or an infra-red sensor
   kPose,        // where the robot was, where somebody says that it is the truth, or a corrected pose
+  kFix,         // where it was by satellites, where somebody says that it is the truth
   kLandmarks,   // markers with identities, and where they were seen
 };
 

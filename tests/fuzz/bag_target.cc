@@ -17,7 +17,8 @@ namespace {
 
 namespace bag = datasets::bag;
 
-constexpr std::uint8_t kSkipBadMessages = 1, kByReceipt = 2, kInspect = 4, kLandmarks = 8, kWheels = 16;
+constexpr std::uint8_t kSkipBadMessages = 1, kByReceipt = 2, kInspect = 4, kLandmarks = 8, kWheels = 16,
+                       kTruth = 32;
 
 void CheckBagLog(const Blob& log) {
   for (const char* table :
@@ -46,6 +47,10 @@ Outcome RunBagFile(const std::string& path, std::uint8_t flags) {
   if ((flags & kWheels) != 0) {
     options.wheels = "l,r,0.1,0.5";
     options.gyro = "/imu*2";
+  }
+  if ((flags & kTruth) != 0) {
+    options.truth = "/fix";
+    options.poses = "tf";
   }
   Blob log;
   try {
@@ -80,6 +85,11 @@ std::vector<bag::BagMessage> Drive(bag::Encoder::To to) {
   messages.push_back(
       {"/tags", "apriltag_msgs/AprilTagDetectionArray", 1000, bag::TagsMessage(to, 1000, {7, 8})});
   for (const double at_s : {1000.0, 1000.4, 1003.0}) {
+    messages.push_back({"/fix", "sensor_msgs/NavSatFix", at_s, bag::FixMessage(to, at_s, at_s - 950, 7)});
+    messages.push_back(
+        {"/tf", "tf2_msgs/TFMessage", at_s, bag::TransformMessage(to, at_s, "map", "odom", at_s - 1000, 1)});
+    messages.push_back(
+        {"/tf", "tf2_msgs/TFMessage", at_s, bag::TransformMessage(to, at_s, "odom", "base_link", 0, at_s)});
     messages.push_back({"/imu", "sensor_msgs/Imu", at_s, bag::ImuMessage(to, at_s, 0.1, "laser")});
     messages.push_back({"/joints", "sensor_msgs/JointState", at_s,
                         bag::JointMessage(to, at_s, {"l", "r"}, {0.1 * at_s, 0.2 * at_s}, {1, 2})});
@@ -111,7 +121,8 @@ std::vector<Bytes> BagSeeds() {
   }
   std::vector<Bytes> seeds;
   for (const std::string& file : files)
-    for (const int flags : {0, kSkipBadMessages | kInspect, 0 + kByReceipt, 0 + kLandmarks, 0 + kWheels}) {
+    for (const int flags :
+         {0, kSkipBadMessages | kInspect, 0 + kByReceipt, 0 + kLandmarks, 0 + kWheels, 0 + kTruth}) {
       seeds.emplace_back(file.begin(), file.end());
       seeds.back().insert(seeds.back().begin(), static_cast<std::uint8_t>(flags));
     }

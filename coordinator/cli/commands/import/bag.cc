@@ -35,8 +35,9 @@ void AddTopics(Command command, datasets::BagImportOptions& bag) {
   command.Add("--landmarks", bag.landmarks,
               "Topic of detected markers, as landmarks; TOPIC:range=FIELD,bearing=FIELD,id=FIELD or x=, y=: "
               "fields of any messages; tf:BEGINNING: frames of such names (again: of several)");
-  command.Add("--truth", bag.truth, "Topic of poses that are the truth: Odometry, PoseStamped, Path, …");
-  command.Add("--poses", bag.poses, "Topic of poses that a program corrected (amcl's, say)");
+  command.Add("--truth", bag.truth,
+              "Topic of poses that are the truth: Odometry, PoseStamped, Path, NavSatFix, …; 'tf': on 'map'");
+  command.Add("--poses", bag.poses, "Topic of poses that a program corrected (amcl's, say); 'tf': on 'map'");
 }
 
 }  // namespace

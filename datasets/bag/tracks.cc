@@ -1,0 +1,122 @@
+#include "datasets/bag/tracks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "schema/error.h"
+#include "schema/text.h"
+
+namespace cairn::datasets::bag {
+namespace {
+
+// Poses in the order of time, and what lies between two of them that are at most a second apart.
+class TrackInTime {
+ public:
+  explicit TrackInTime(std::vector<TimedPose> poses) : poses_(std::move(poses)) {
+    std::erase_if(poses_, [](const TimedPose& pose) { return pose.time_s <= 0; });
+    std::ranges::stable_sort(poses_, {}, &TimedPose::time_s);
+  }
+  const std::vector<TimedPose>& poses() const { return poses_; }
+  std::optional<Pose> At(double time_s) const {
+    constexpr double kMostGap_s = 1;
+    const auto next = std::ranges::lower_bound(poses_, time_s, {}, &TimedPose::time_s);
+    if (next == poses_.end()) return std::nullopt;
+    if (next->time_s == time_s) return next->pose;
+    if (next == poses_.begin() || next->time_s - (next - 1)->time_s > kMostGap_s) return std::nullopt;
+    const TimedPose& before = *(next - 1);
+    return Interpolate(before.pose, next->pose, (time_s - before.time_s) / (next->time_s - before.time_s));
+  }
+
+ private:
+  std::vector<TimedPose> poses_;
+};
+
+std::vector<TimedPose> TimedPosesOf(const std::vector<PoseRow>& rows) {
+  std::vector<TimedPose> poses;
+  for (const PoseRow& row : rows) poses.push_back({row.time_s, row.pose});
+  return poses;
+}
+
+// What two tracks say of the time that both cover, second by second.
+struct Course {
+  double way_m = 0, turn_rad = 0;
+  void Add(const Pose& from, const Pose& to) {
+    way_m += DistanceM({from.x_m, from.y_m}, {to.x_m, to.y_m});
+    turn_rad += WrapAngle(to.heading_rad - from.heading_rad);
+  }
+};
+
+}  // namespace
+
+std::vector<PoseRow> PosesOnMap(const FrameTree& frames, const std::string& robot, const std::string& base,
+                                const std::string& whose, ImportReport* report) {
+  const FrameTree::Links on_map = frames.MovingOn("map", robot), on_odom = frames.MovingOn("odom", robot);
+  if (on_map.empty()) throw InputError(whose + ": there is no frame in tf that lies on one called 'map'");
+  const std::string& odom = on_map.front().second;
+  const auto link = std::ranges::find(on_odom, odom, &FrameTree::Links::value_type::first);
+  // Without odometry in between the frame on the map is the robot's, or carries it.
+  const std::string& moving = link == on_odom.end() ? odom : link->second;
+  Pose mount;
+  if (const auto found = frames.Find(moving, base)) mount = found->transform.Planar();
+  const TrackInTime map(frames.TrackOf(odom));
+  const TrackInTime path = link == on_odom.end() ? TrackInTime({}) : TrackInTime(frames.TrackOf(moving));
+  std::vector<PoseRow> poses;
+  std::int64_t without = 0;
+  for (const TimedPose& pose : link == on_odom.end() ? map.poses() : path.poses()) {
+    const auto on = link == on_odom.end() ? std::optional<Pose>(pose.pose) : map.At(pose.time_s);
+    if (!on) {
+      ++without;
+      continue;
+    }
+    Pose at = link == on_odom.end() ? Compose(*on, mount) : Compose(Compose(*on, pose.pose), mount);
+    at.heading_rad = WrapAngle(at.heading_rad);
+    poses.push_back({pose.time_s, poses.size() + 1, at});
+  }
+  const std::string chain =
+      on_map.front().first + " > " + odom + (link == on_odom.end() ? "" : " > " + moving);
+  if (poses.empty())
+    throw InputError(whose + ": the transforms of '" + Printable(chain, 200) + "' have no time in common");
+  report->read["poses of " + chain + " in tf"] = static_cast<std::int64_t>(poses.size());
+  if (without > 0)
+    report->dropped["transforms of " + moving + " at a time at which tf has no map"] += without;
+  return poses;
+}
+
+void CompareOdometries(const NamedTrack& one, const NamedTrack& other, ImportReport* report) {
+  constexpr double kStep_s = 1, kShare = 0.1, kLeast_m = 0.5, kLeast_rad = 0.2;
+  const TrackInTime a(TimedPosesOf(one.poses)), b(TimedPosesOf(other.poses));
+  if (a.poses().empty() || b.poses().empty()) return;
+  Course of_a, of_b;
+  double last_s = -1, covered_s = 0, turned_rad = 0;
+  std::optional<Pose> last_a, last_b;
+  for (const TimedPose& pose : a.poses()) {
+    const double step_s = pose.time_s - last_s;
+    if (step_s < kStep_s) continue;
+    const auto now_b = b.At(pose.time_s);
+    if (step_s < 2 * kStep_s && now_b && last_b) {
+      covered_s += step_s;
+      turned_rad += std::abs(WrapAngle(pose.pose.heading_rad - last_a->heading_rad));
+      of_a.Add(*last_a, pose.pose);
+      of_b.Add(*last_b, *now_b);
+    }
+    last_s = pose.time_s;
+    last_a = pose.pose;
+    last_b = now_b;
+  }
+  const double apart_m = std::abs(of_a.way_m - of_b.way_m),
+               apart_rad = std::abs(of_a.turn_rad - of_b.turn_rad);
+  if (apart_m <= kLeast_m + kShare * std::max(of_a.way_m, of_b.way_m) &&
+      apart_rad <= kLeast_rad + kShare * turned_rad)
+    return;
+  report->warnings.push_back(
+      fmt::format("{} and {} contradict each other: in the {:.0f} s that both cover the one goes {:.1f} m "
+                  "and turns by {:.2f} "
+                  "rad, the other {:.1f} m and {:.2f} rad; the log has the first",
+                  one.name, other.name, covered_s, of_a.way_m, of_a.turn_rad, of_b.way_m, of_b.turn_rad));
+}
+
+}  // namespace cairn::datasets::bag

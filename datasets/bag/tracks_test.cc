@@ -1,0 +1,133 @@
+#include <numbers>
+
+#include "datasets/bag/testing_import.h"
+
+namespace cairn::datasets {
+namespace {
+
+using bag::BagMessage;
+
+class BagTracksTest : public ImportBagTest {
+ protected:
+  static std::string AllWarnings(const ImportReport& report) {
+    std::string all;
+    for (const std::string& warning : report.warnings) all += warning + "\n";
+    return all;
+  }
+  static BagMessage Transform(double at_s, const std::string& parent, const std::string& child, double x,
+                              double heading = 0) {
+    return {"/tf", "tf2_msgs/TFMessage", at_s,
+            bag::TransformMessage(To::kRos1, at_s, parent, child, x, heading)};
+  }
+};
+
+TEST_F(BagTracksTest, FixesAreMetresEastAndNorthOfTheFirst) {
+  auto messages = bag::SmallDrive(To::kRos1);
+  // A degree of latitude is 110,574 m at the equator, one of longitude 111,320 m (WGS 84); 100 m higher up it
+  // is 16 millionths more.
+  const double north_deg = 1 / 110574.27, east_deg = 1 / 111319.49;
+  for (int i = 0; i <= 10; ++i) {
+    const double at = 1000 + 0.5 * i;
+    const double north = i <= 5 ? 2.0 * i : 10, east = i <= 5 ? 0 : 2.0 * (i - 5);
+    messages.push_back({"/fix", "sensor_msgs/NavSatFix", at,
+                        bag::FixMessage(To::kRos1, at, north * north_deg, 7 + east * east_deg,
+                                        i == 3 ? std::int8_t{-1} : std::int8_t{0}, 0.0004)});
+  }
+  options_.truth = "/fix";
+  const ImportReport report = Import(messages);
+  const auto time_s = Column<double>("truth/robot/0/poses/time_s");
+  const auto x = Column<double>("truth/robot/0/poses/x_m"), y = Column<double>("truth/robot/0/poses/y_m"),
+             heading = Column<double>("truth/robot/0/poses/heading_rad");
+  ASSERT_EQ(time_s.size(), 10U) << "a gap stays one";
+  EXPECT_EQ(time_s[3], 1002);
+  EXPECT_NEAR(y[3], 8, 2e-4);
+  EXPECT_NEAR(x[3], 0, 2e-4);
+  EXPECT_NEAR(x.back(), 10, 2e-4);
+  EXPECT_NEAR(y.back(), 10, 2e-4);
+  EXPECT_NEAR(heading[1], std::numbers::pi / 2, 2e-4);
+  EXPECT_NEAR(heading.back(), 0, 2e-4);
+  EXPECT_EQ(report.dropped.at("messages of /fix without a fix"), 1);
+  ExpectContains(AllWarnings(report),
+                 "/fix: the truth is its fixes as metres east and north of 0.000000, 7.000000");
+  ExpectContains(AllWarnings(report), "their covariances say 0.02 m, an axis");
+  options_.truth.clear();
+  options_.poses = "/fix";
+  ExpectContains(Refusal(messages), "that topic is of sensor_msgs/NavSatFix");
+}
+
+TEST_F(BagTracksTest, FixesFarFromTheEquatorHaveTheirOwnDegrees) {
+  // At 60 degrees north: 111,412 and 55,800 m a degree.
+  auto messages = bag::SmallDrive(To::kRos1);
+  messages.push_back({"/fix", "sensor_msgs/NavSatFix", 1001, bag::FixMessage(To::kRos1, 1001, 60, 10)});
+  messages.push_back(
+      {"/fix", "sensor_msgs/NavSatFix", 1002, bag::FixMessage(To::kRos1, 1002, 60.0001, 10.0002)});
+  options_.truth = "/fix";
+  Import(messages);
+  EXPECT_NEAR(Column<double>("truth/robot/0/poses/y_m")[1], 11.141, 0.002);
+  EXPECT_NEAR(Column<double>("truth/robot/0/poses/x_m")[1], 11.160, 0.002);
+}
+
+TEST_F(BagTracksTest, TfsMapAndOdometryMakeTheTruth) {
+  std::vector<BagMessage> messages = bag::SmallDrive(To::kRos1);
+  for (int i = 0; i <= 10; ++i) {
+    const double at = 1000 + 0.5 * i;
+    messages.push_back(Transform(at, "odom", "base_footprint", 0.1 * i));
+    if (i <= 6) messages.push_back(Transform(at - 0.25, "map", "odom", 0.02 * i, std::numbers::pi / 2));
+  }
+  messages.push_back(Transform(0, "base_footprint", "base_link", 0.5));
+  options_.truth = "tf";
+  options_.poses = "tf";
+  const ImportReport report = Import(messages);
+  for (const char* table : {"truth/robot/0/poses/", "robot/0/poses/"}) {
+    const auto time_s = Column<double>(std::string(table) + "time_s");
+    ASSERT_EQ(time_s.size(), 6U) << "as long as tf has a map";
+    EXPECT_EQ(time_s[2], 1001);
+    EXPECT_NEAR(Column<double>(std::string(table) + "x_m")[2], 0.05, 1e-9)
+        << "half-way between two transforms";
+    EXPECT_NEAR(Column<double>(std::string(table) + "y_m")[2], 0.2 + 0.5, 1e-9);
+    EXPECT_NEAR(Column<double>(std::string(table) + "heading_rad")[2], std::numbers::pi / 2, 1e-9);
+  }
+  EXPECT_EQ(report.read.at("poses of map > odom > base_footprint in tf"), 6);
+  EXPECT_EQ(report.dropped.at("transforms of base_footprint at a time at which tf has no map"), 10);
+}
+
+TEST_F(BagTracksTest, AFrameThatMovesOnTheMapItselfIsTheRobot) {
+  std::vector<BagMessage> messages = bag::SmallDrive(To::kRos1);
+  options_.truth = "tf";
+  ExpectContains(Refusal(messages), "--truth tf: there is no frame in tf that lies on one called 'map'");
+  for (int i = 0; i <= 10; ++i) messages.push_back(Transform(1000 + 0.5 * i, "map", "base_link", 0.2 * i));
+  Import(messages);
+  EXPECT_EQ(Column<double>("truth/robot/0/poses/x_m")[10], 2);
+  EXPECT_EQ(Column<double>("truth/robot/0/poses/x_m").size(), 11U);
+}
+
+TEST_F(BagTracksTest, OdometriesThatContradictAreTold) {
+  auto messages = bag::SmallDrive(To::kRos1);
+  for (int i = 0; i <= 10; ++i) {
+    const double at = 1000.1 + 0.5 * i;
+    messages.push_back(
+        {"/wheels", "nav_msgs/Odometry", at, bag::OdometryMessage(To::kRos1, at, 0.1 * i, 0.01 * i)});
+  }
+  options_.odometry = "/odom";
+  EXPECT_EQ(AllWarnings(Import(messages)).find("contradict"), std::string::npos)
+      << "a tenth of a second aside";
+  for (int i = 0; i <= 10; ++i) {
+    const double at = 1000 + 0.5 * i;
+    messages.push_back(
+        {"/camera", "nav_msgs/Odometry", at, bag::OdometryMessage(To::kRos1, at, 0.3 * i, -0.1 * i)});
+    messages.push_back(Transform(at, "odom", "base_link", 0.1 * i, 0.2 * i));
+  }
+  const ImportReport report = Import(messages);
+  ExpectContains(
+      AllWarnings(report),
+      "/odom and /camera contradict each other: in the 5 s that both cover the one goes 1.0 m and turns by "
+      "0.10 rad, the other 3.0 m and -1.00 rad; the log has the first");
+  ExpectContains(AllWarnings(report), "/odom and odom > base_link of tf contradict each other");
+  EXPECT_EQ(report.read.count("messages of /camera"), 0U);
+  for (BagMessage& message : messages)
+    if (message.topic == "/camera") message.bytes = "what is not taken may be bad";
+  EXPECT_EQ(Import(messages).scans, 11);
+}
+
+}  // namespace
+}  // namespace cairn::datasets
