@@ -131,10 +131,24 @@ class TopicChoice {
     return others_;
   }
 
+  static std::vector<Use> UsesOf(Use use) {
+    if (use == Use::kScan) return {Use::kScan, Use::kCloud};
+    return {use};
+  }
+
+  std::unique_ptr<TopicReader> ReaderOfCloud(const Topic& topic, ScanTopic* scan) const {
+    if (options_.cloud.empty())
+      throw InputError(
+          "--scan " + topic.name +
+          ": that is of clouds of points: --cloud LOW_M,HIGH_M,REACH_M says which of them count, such "
+          "as 0.2,0.5,20");
+    return ReadCloud(ParseCloudCut(options_.cloud), into_.find_mount, scan);
+  }
+
   void ChooseScans(Use use, const char* option, const std::vector<std::string>& names) {
     if (names.size() == 1 && names.front() == "none") return;
     std::vector<const Topic*> chosen;
-    for (const std::string& name : names) chosen.push_back(&FindTopic(topics_, name, {use}, option));
+    for (const std::string& name : names) chosen.push_back(&FindTopic(topics_, name, UsesOf(use), option));
     if (names.empty() && use == Use::kScan) {
       if (const Topic* only = OnlyTopic(topics_, use, option)) chosen.push_back(only);
     } else if (names.empty()) {
@@ -145,7 +159,8 @@ class TopicChoice {
     for (const Topic* topic : chosen) {
       scans.push_back(std::make_unique<ScanTopic>());
       scans.back()->topic = topic->name;
-      add_(*topic, ReadScans(topic->type, scans.back().get()));
+      add_(*topic, topic->use->use == Use::kCloud ? ReaderOfCloud(*topic, scans.back().get())
+                                                  : ReadScans(topic->type, scans.back().get()));
     }
   }
 

@@ -71,9 +71,19 @@ class BagImport {
 
   ImportReport Run(Blob* log) {
     CheckNoise(options_.noise);
+    Gather();
+    WarnOfClocks();
+    ImportReport made = bag::MakeBagLog(std::move(robots_), std::move(report_), log);
+    made.skipped = bad_.counts();
+    return made;
+  }
+
+ private:
+  void Gather() {
     bags_ = OpenBags(options_.files);
     topics_ = bag::TopicsOf(bags_);
     SetClock();
+    if (!options_.cloud.empty()) FindMounts();
     ChooseTopics();
     for (const auto& one : bags_) ReadBag(one.get());
     CheckSkipped();
@@ -82,13 +92,20 @@ class BagImport {
       robot.mounts = options_.mounts;
       robot.path = bags_.size() == 1 ? bags_.front()->path() : options_.files.front() + " and others";
     }
-    WarnOfClocks();
-    ImportReport made = bag::MakeBagLog(std::move(robots_), std::move(report_), log);
-    made.skipped = bad_.counts();
-    return made;
   }
 
- private:
+  // Where a cloud's sensor sits must be known before its points are looked at: poses and frames are read
+  // first.
+  void FindMounts() {
+    BagImportOptions places = options_;
+    places.scans = places.sonars = {"none"};
+    places.landmarks.clear();
+    places.cloud.clear();
+    BagImport first(places);
+    first.Gather();
+    for (bag::Gathered& robot : first.robots_) mounts_.push_back(bag::MountsOf(std::move(robot)));
+  }
+
   void SetClock() {
     clock_.by_receipt = options_.by_receipt;
     // Of times as the log has them none is so small, of drives none so long.
@@ -115,6 +132,7 @@ class BagImport {
       bag::Gathered& robot = robots_[i];
       if (!names.empty()) robot.robot = names[i];
       robot.topics = bag::TopicsOfRobot(topics_, names, robot.robot);
+      if (!mounts_.empty()) robot.find_mount = mounts_[i];
       const auto add = [&](const Topic& topic, std::unique_ptr<bag::TopicReader> reader) {
         Add(topic, std::move(reader));
       };
@@ -253,6 +271,7 @@ class BagImport {
   bag::ClockOptions clock_;
   std::vector<TopicInHand> in_hand_;
   std::vector<bag::Gathered> robots_;
+  std::vector<bag::FindMount> mounts_;  // of each robot, where clouds need them
   const TopicInHand* last_topic_ = nullptr;
   std::uint64_t last_number_ = 0;
 };

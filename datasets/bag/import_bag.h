@@ -25,6 +25,7 @@ struct BagImportOptions {
   std::string wheels;  // "LEFT_JOINT,RIGHT_JOINT,RADIUS_M,DISTANCE_M" (wheels.h), for odometry by joints
   std::string gyro;    // whose turn is the odometry's; "TOPIC*FACTOR" (landmark_readers.h)
   std::vector<std::string> scans, sonars;
+  std::string cloud;  // "LOW_M,HIGH_M,REACH_M" (cloud.h): of scans that are clouds of points
   // Only where they are named: a pose may be where somebody wants the robot to go.
   std::string truth, poses;
   std::vector<std::string> landmarks;     // "TOPIC", "TOPIC:x=FIELD,y=FIELD", … (landmark_readers.h)

@@ -67,7 +67,8 @@ void LookThrough(bag::Container* file, std::vector<BagTopic>* topics, std::set<s
     Look& look = looks.emplace_back();
     const auto topic = std::ranges::find_if(
         *topics, [&](const BagTopic& one) { return one.name == channel.topic && one.type == channel.type; });
-    wanted.push_back(bag::FindUse(channel.type) != nullptr);
+    const bag::TypeUse* use = bag::FindUse(channel.type);
+    wanted.push_back(use != nullptr && use->use != bag::Use::kCloud);  // most of a bag, where there are any
     look.topic = &*topic;
     if (!wanted.back()) continue;
     try {

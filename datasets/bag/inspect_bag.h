@@ -12,7 +12,7 @@ struct BagTopic {
   std::string name, type;
   std::uint64_t messages = 0;
   double rate_hz = 0;  // over the time of the bag; 0 of less than two messages
-  // Of topics that Cairn can use alone: the rest are not read.
+  // Of topics that Cairn can use alone: the rest are not read, nor are clouds of points.
   std::string as;                   // as what
   std::optional<double> gap_s;      // the longest between two messages, as the recorder had them
   std::vector<std::string> frames;  // of its headers, or, of tf, "odom > base_link"; ten at the most

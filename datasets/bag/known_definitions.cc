@@ -55,7 +55,8 @@ constexpr std::array kKnown = {
           "float64 altitude\nfloat64[9] position_covariance\nuint8 position_covariance_type\n"},
     Known{"sensor_msgs/PointField", "string name\nuint32 offset\nuint8 datatype\nuint32 count\n"},
     Known{"sensor_msgs/PointCloud2",
-          "std_msgs/Header header\nuint32 height\nuint32 width\nPointField[] fields\nbool is_bigendian\n"
+          "std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\nbool "
+          "is_bigendian\n"
           "uint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense\n"},
     Known{"sensor_msgs/JointState",
           "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\n"

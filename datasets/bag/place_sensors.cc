@@ -26,13 +26,17 @@ class BagLog {
  public:
   BagLog(Gathered gathered, ImportReport* report) : in_(std::move(gathered)), report_(*report) {}
 
+  void FindBase() {
+    if (in_.odometry_topic == "tf") TakeOdometryOfFrames();
+    ChooseBase();
+  }
+
   // Of several robots the first whose covariances say something counts.
   RangeLog Make(NoiseParameters* noise, std::optional<Fix>* origin) {
     if (!in_.robot.empty()) ranges_.robot = in_.robot;
     ranges_.path = in_.path + ": " + in_.odometry_topic;
     ranges_.before_line = ", message ";
-    if (in_.odometry_topic == "tf") TakeOdometryOfFrames();
-    ChooseBase();
+    FindBase();
     if (in_.odometry.poses.empty() && !in_.odometry.other_joints.empty())
       throw InputError(in_.path + ": no message of " + in_.odometry_topic +
                        " has both wheels; it has the joints " + NameList(in_.odometry.other_joints, 20));
@@ -55,6 +59,28 @@ class BagLog {
     if (!noise->heading_walk_rad_per_sqrt_m)
       noise->heading_walk_rad_per_sqrt_m = in_.noise.heading_walk_rad_per_sqrt_m;
     return std::move(ranges_);
+  }
+
+  // Where what lies in `frame` lies on the robot. Throws InputError where nothing says so.
+  Transform MountOf(const std::string& topic, const std::string& frame) {
+    for (const std::string& name : {topic, frame, WithoutRobot(topic), WithoutRobot(frame)})
+      if (const auto given = in_.mounts.find(name); given != in_.mounts.end()) return Level(given->second);
+    if (frame == in_.base) return {};
+    if (frame.empty()) {
+      WarnOnce(topic +
+               ": its headers name no frame: it is taken to sit in the robot's middle, looking ahead; " +
+               "--mount " + topic + "=X,Y,DEGREES says where it does");
+      return {};
+    }
+    const auto mount = in_.frames.Find(in_.base, frame);
+    if (!mount)
+      throw InputError(in_.path + ": " + topic + " is of the frame '" + Printable(frame, 80) +
+                       "', and no tf says where that is on '" + Printable(in_.base, 80) + "'" +
+                       (in_.frames.size() == 0 ? " (there is no tf at all)" : "") + ": --mount " + topic +
+                       "=X,Y,DEGREES says it");
+    if (!mount->moves.empty())
+      WarnOnce(topic + ": " + NameList(mount->moves) + " moves on the robot: where it was first counts");
+    return mount->transform;
   }
 
  private:
@@ -178,28 +204,6 @@ class BagLog {
     return name.substr(0, at) + name.substr(at + in_.robot.size() + 1);
   }
 
-  // Where what lies in `frame` lies on the robot. Throws InputError where nothing says so.
-  Transform MountOf(const std::string& topic, const std::string& frame) {
-    for (const std::string& name : {topic, frame, WithoutRobot(topic), WithoutRobot(frame)})
-      if (const auto given = in_.mounts.find(name); given != in_.mounts.end()) return Level(given->second);
-    if (frame == in_.base) return {};
-    if (frame.empty()) {
-      WarnOnce(topic +
-               ": its headers name no frame: it is taken to sit in the robot's middle, looking ahead; " +
-               "--mount " + topic + "=X,Y,DEGREES says where it does");
-      return {};
-    }
-    const auto mount = in_.frames.Find(in_.base, frame);
-    if (!mount)
-      throw InputError(in_.path + ": " + topic + " is of the frame '" + Printable(frame, 80) +
-                       "', and no tf says where that is on '" + Printable(in_.base, 80) + "'" +
-                       (in_.frames.size() == 0 ? " (there is no tf at all)" : "") + ": --mount " + topic +
-                       "=X,Y,DEGREES says it");
-    if (!mount->moves.empty())
-      WarnOnce(topic + ": " + NameList(mount->moves) + " moves on the robot: where it was first counts");
-    return mount->transform;
-  }
-
   void WarnOnce(const std::string& warning) {
     if (warned_.insert(warning).second) report_.warnings.push_back(warning);
   }
@@ -232,10 +236,12 @@ class BagLog {
     rows.sensor = lasers_ == 0 ? "laser" : "laser" + std::to_string(lasers_ + 1);
     ++lasers_;
     rows.max_range_m = scan->max_range_m;
-    const Transform mount = MountOf(scan->topic, scan->frame);
+    KeepBeamsWithPoints(scan);
+    const Transform mount = scan->level_at ? Level(*scan->level_at) : MountOf(scan->topic, scan->frame);
     double steepest = 0;
     for (std::size_t beam = 0; beam < scan->beams; ++beam)
-      AddBeam(mount, scan->first_rad + static_cast<double>(beam) * scan->step_rad, &rows, &steepest);
+      if (scan->scans_with_points.empty() || scan->scans_with_points[beam] > 0)
+        AddBeam(mount, scan->first_rad + static_cast<double>(beam) * scan->step_rad, &rows, &steepest);
     WarnOfTilt(scan->topic, steepest);
     for (RangeEvent& event : scan->events) {
       event.sensor = ranges_.sensors.size();
@@ -243,6 +249,22 @@ class BagLog {
     }
     scan->events = {};
     ranges_.sensors.push_back(std::move(rows));
+  }
+
+  // Where a cloud has points in less than one of a hundred scans its sensor does not look.
+  static void KeepBeamsWithPoints(ScanTopic* scan) {
+    std::vector<std::size_t>& counts = scan->scans_with_points;
+    if (counts.empty()) return;
+    for (std::size_t& count : counts)
+      if (100 * count < scan->events.size()) count = 0;
+    if (std::ranges::all_of(counts, [](std::size_t count) { return count == 0; }))
+      throw InputError(scan->topic + ": there is hardly a point in its clouds");
+    for (RangeEvent& event : scan->events) {
+      std::size_t kept = 0;
+      for (std::size_t beam = 0; beam < counts.size(); ++beam)
+        if (counts[beam] > 0) event.range_m[kept++] = event.range_m[beam];
+      event.range_m.resize(kept);
+    }
   }
 
   // A round is over when each sensor has said something; what one says twice in it counts as it said it last.
@@ -313,6 +335,17 @@ class BagLog {
 };
 
 }  // namespace
+
+FindMount MountsOf(Gathered robot) {
+  struct Places {
+    explicit Places(Gathered gathered) : log(std::move(gathered), &report) { log.FindBase(); }
+    ImportReport report;  // the import's own pass says the same again
+    BagLog log;
+  };
+  return
+      [places = std::make_shared<Places>(std::move(robot))](
+          const std::string& topic, const std::string& frame) { return places->log.MountOf(topic, frame); };
+}
 
 ImportReport MakeBagLog(std::vector<Gathered> robots, ImportReport report, Blob* log) {
   NoiseParameters noise = robots.front().noise;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/bag/cloud.h"
 #include "datasets/bag/fixes.h"
 #include "datasets/bag/gyro.h"
 #include "datasets/bag/readers.h"
@@ -27,6 +28,7 @@ struct Gathered {
   std::string odometry_topic;          // "tf": that of a frame which moves on "odom"
   std::string base;                    // the robot's frame; empty: that of the odometry
   std::map<std::string, Pose> mounts;  // by topic or frame
+  FindMount find_mount;                // of sensors that are looked at before all frames are known
   OdometryRows odometry;
   std::vector<std::unique_ptr<OtherOdometry>> others;
   GyroRows gyro;  // without a topic there is none
@@ -40,6 +42,9 @@ struct Gathered {
   FollowedFrames followed;
   std::vector<Topic> topics;  // all that there are
 };
+
+// Where the robot's sensors sit, by its odometry and its frames.
+FindMount MountsOf(Gathered robot);
 
 // As ImportBag says (import_bag.h).
 ImportReport MakeBagLog(std::vector<Gathered> robots, ImportReport report, Blob* log);

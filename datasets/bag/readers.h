@@ -50,6 +50,9 @@ struct ScanTopic {
   bool is_infrared = false;
   std::size_t beams = 0;
   std::vector<RangeEvent> events;  // without a sensor
+  // Of clouds: beams are as the robot has them, about this place; and how many scans had points there.
+  std::optional<Pose> level_at;
+  std::vector<std::size_t> scans_with_points;
 };
 
 // A marker that was seen, before it is known where the camera sits.

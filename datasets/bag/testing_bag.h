@@ -7,6 +7,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -126,6 +127,27 @@ inline std::string FixMessage(Encoder::To to, double stamp_s, double latitude_de
   return out.Put<std::uint8_t>(variance > 0 ? 2 : 0).text();
 }
 
+// Points of x, y, z and an intensity, in one row.
+inline std::string CloudMessage(Encoder::To to, double stamp_s,
+                                const std::vector<std::array<float, 3>>& points,
+                                const std::string& frame = "base_link") {
+  Encoder out(to);
+  out.Header(stamp_s, frame).Put<std::uint32_t>(1).Put(static_cast<std::uint32_t>(points.size()));
+  out.Put<std::uint32_t>(4);
+  std::uint32_t offset = 0;
+  for (const char* name : {"intensity", "x", "y", "z"}) {
+    out.Text(name).Put(offset).Put<std::uint8_t>(7).Put<std::uint32_t>(1);
+    offset += 4;
+  }
+  const auto bytes = static_cast<std::uint32_t>(offset * points.size());
+  out.Put<std::uint8_t>(0).Put(offset).Put(bytes).Put(bytes);
+  for (const std::array<float, 3>& point : points)
+    for (const float number : {0.5F, point[0], point[1], point[2]})
+      for (const char byte : std::string(reinterpret_cast<const char*>(&number), sizeof number))
+        out.Put(byte);
+  return out.Put<std::uint8_t>(1).text();
+}
+
 // As apriltag_ros of ROS 2 has it: where in the image tags of 36h11 are.
 inline std::string TagsMessage(Encoder::To to, double stamp_s, const std::vector<int>& ids) {
   Encoder out(to);
@@ -148,7 +170,7 @@ inline std::string DefinitionText(const std::string& type, bool is_ros1, const s
         "geometry_msgs/Pose", "geometry_msgs/PoseStamped", "geometry_msgs/PoseWithCovariance",
         "geometry_msgs/Transform", "geometry_msgs/TransformStamped", "geometry_msgs/Twist",
         "geometry_msgs/TwistWithCovariance", "sensor_msgs/LaserEcho", "apriltag_msgs/AprilTagDetection",
-        "sensor_msgs/NavSatStatus"}) {
+        "sensor_msgs/NavSatStatus", "sensor_msgs/PointField"}) {
     text += std::string(80, '=') + "\nMSG: " + part + "\n";
     if (is_ros1 && std::string_view(part) == "std_msgs/Header")
       text += "# of ROS 1\nuint32 seq\ntime stamp\nstring frame_id\n";

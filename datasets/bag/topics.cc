@@ -26,6 +26,7 @@ constexpr std::array kUses = {
     TypeUse{"tf/tfMessage", Use::kTransforms, "where sensors sit"},
     TypeUse{"sensor_msgs/LaserScan", Use::kScan, "scans"},
     TypeUse{"sensor_msgs/MultiEchoLaserScan", Use::kScan, "scans"},
+    TypeUse{"sensor_msgs/PointCloud2", Use::kCloud, "scans at a height, with --scan and --cloud"},
     TypeUse{"sensor_msgs/Range", Use::kCone, "scans of a ring of sonars"},
     TypeUse{"geometry_msgs/PoseStamped", Use::kPose, kAsTruth},
     TypeUse{"geometry_msgs/PoseWithCovarianceStamped", Use::kPose, kAsTruth},

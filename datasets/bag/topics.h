@@ -19,6 +19,7 @@ enum class Use {
   kGyro,        // the turn of the odometry, where somebody says so
   kTransforms,  // where sensors sit; odometry, where there is no other
   kScan,        // of a laser
+  kCloud,       // a scan at a height, where somebody says at which
   kCone,        // of a sonar or an infra-red sensor
   kPose,        // where the robot was, where somebody says that it is the truth, or a corrected pose
   kFix,         // where it was by satellites, where somebody says that it is the truth

@@ -18,7 +18,7 @@ namespace {
 namespace bag = datasets::bag;
 
 constexpr std::uint8_t kSkipBadMessages = 1, kByReceipt = 2, kInspect = 4, kLandmarks = 8, kWheels = 16,
-                       kTruth = 32;
+                       kTruth = 32, kCloud = 64;
 
 void CheckBagLog(const Blob& log) {
   for (const char* table :
@@ -52,6 +52,10 @@ Outcome RunBagFile(const std::string& path, std::uint8_t flags) {
     options.truth = "/fix";
     options.poses = "tf";
   }
+  if ((flags & kCloud) != 0) {
+    options.scans = {"/points"};
+    options.cloud = "0,1,10";
+  }
   Blob log;
   try {
     if ((flags & kInspect) != 0) datasets::BagText(datasets::InspectBag(path));
@@ -84,6 +88,8 @@ std::vector<bag::BagMessage> Drive(bag::Encoder::To to) {
       {"/tf", "tf2_msgs/TFMessage", 1000, bag::TransformMessage(to, 1000, "laser", "camera", 0, 0)});
   messages.push_back(
       {"/tags", "apriltag_msgs/AprilTagDetectionArray", 1000, bag::TagsMessage(to, 1000, {7, 8})});
+  messages.push_back({"/points", "sensor_msgs/PointCloud2", 1000.5,
+                      bag::CloudMessage(to, 1000.5, {{1, 0, 0.5F}, {0, 2, 5}}, "laser")});
   for (const double at_s : {1000.0, 1000.4, 1003.0}) {
     messages.push_back({"/fix", "sensor_msgs/NavSatFix", at_s, bag::FixMessage(to, at_s, at_s - 950, 7)});
     messages.push_back(
@@ -121,8 +127,8 @@ std::vector<Bytes> BagSeeds() {
   }
   std::vector<Bytes> seeds;
   for (const std::string& file : files)
-    for (const int flags :
-         {0, kSkipBadMessages | kInspect, 0 + kByReceipt, 0 + kLandmarks, 0 + kWheels, 0 + kTruth}) {
+    for (const int flags : {0, kSkipBadMessages | kInspect, 0 + kByReceipt, 0 + kLandmarks, 0 + kWheels,
+                            0 + kTruth, 0 + kCloud}) {
       seeds.emplace_back(file.begin(), file.end());
       seeds.back().insert(seeds.back().begin(), static_cast<std::uint8_t>(flags));
     }

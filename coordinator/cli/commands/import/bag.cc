@@ -31,6 +31,9 @@ void AddTopics(Command command, datasets::BagImportOptions& bag) {
   command.Add("--gyro", bag.gyro,
               "Topic of sensor_msgs/Imu: the odometry turns as it does, its bias taken out ('/imu*deg')");
   command.Add("--scan", bag.scans, "Topic of laser scans (again: of several lasers); 'none'");
+  command.Add(
+      "--cloud", bag.cloud,
+      "LOW_M,HIGH_M,REACH_M: of a --scan that is clouds of points (PointCloud2), those at these heights");
   command.Add("--sonar", bag.sonars, "Topic of sensor_msgs/Range (again: of several; else all); 'none'");
   command.Add("--landmarks", bag.landmarks,
               "Topic of detected markers, as landmarks; TOPIC:range=FIELD,bearing=FIELD,id=FIELD or x=, y=: "
