@@ -73,7 +73,7 @@ set(CAIRN_LINKS_coordinator_cli_commands
 set(CAIRN_LINKS_coordinator_cli_commands_import
   "schema/store|coordinator/cli/(common|job_file|output)|datasets/(bag|import/recorded)|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_commands_simulate
-  "schema/store|coordinator/cli/(common|output)|datasets/simulate(/.*)?|nlohmann_json::.*")
+  "schema/store|coordinator/cli/(common|output)|datasets/bag|datasets/simulate(/.*)?|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_reproduce
   "schema/store|coordinator/local|coordinator/cli|coordinator/cli/(common|output)|datasets/reproduce/.*|datasets/simulate/corridor|nlohmann_json::.*")
 set(CAIRN_LINKS_tests ".*")

@@ -62,7 +62,7 @@ class TopicChoice {
       return;
     }
     const Topic& topic = FindTopic(topics_, source.topic, {}, "--landmarks");
-    if (!source.fields.empty()) return add_(topic, ReadLandmarkFields(source, &into_.landmarks));
+    if (source.has_fields()) return add_(topic, ReadLandmarkFields(source, &into_.landmarks));
     if (topic.use == nullptr || topic.use->use != Use::kLandmarks)
       throw InputError("--landmarks " + topic.name + ": that topic is of " + topic.type +
                        ", whose fields are to be named: --landmarks " + topic.name +

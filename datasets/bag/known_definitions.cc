@@ -17,6 +17,7 @@ constexpr std::array kKnown = {
     Known{"geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z\n"},
     Known{"geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n"},
     Known{"geometry_msgs/Pose", "Point position\nQuaternion orientation\n"},
+    Known{"geometry_msgs/PoseArray", "std_msgs/Header header\nPose[] poses\n"},
     Known{"geometry_msgs/PoseStamped", "std_msgs/Header header\nPose pose\n"},
     Known{"geometry_msgs/PoseWithCovariance", "Pose pose\nfloat64[36] covariance\n"},
     Known{"geometry_msgs/PoseWithCovarianceStamped", "std_msgs/Header header\nPoseWithCovariance pose\n"},
@@ -42,7 +43,8 @@ constexpr std::array kKnown = {
           "LaserEcho[] ranges\nLaserEcho[] intensities\n"},
     // Jazzy puts a `variance` behind it, and carries its definition.
     Known{"sensor_msgs/Range",
-          "std_msgs/Header header\nuint8 radiation_type\nfloat32 field_of_view\nfloat32 min_range\n"
+          "uint8 ULTRASOUND=0\nuint8 INFRARED=1\nstd_msgs/Header header\nuint8 radiation_type\nfloat32 "
+          "field_of_view\nfloat32 min_range\n"
           "float32 max_range\nfloat32 range\n"},
     Known{"sensor_msgs/Imu",
           "std_msgs/Header header\ngeometry_msgs/Quaternion orientation\n"
@@ -61,6 +63,9 @@ constexpr std::array kKnown = {
     Known{"sensor_msgs/JointState",
           "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\n"
           "float64[] effort\n"},
+    Known{"aruco_msgs/Marker",
+          "std_msgs/Header header\nuint32 id\ngeometry_msgs/PoseWithCovariance pose\nfloat64 confidence\n"},
+    Known{"aruco_msgs/MarkerArray", "std_msgs/Header header\naruco_msgs/Marker[] markers\n"},
     // apriltag_msgs 2: its Point is two float64.
     Known{"apriltag_msgs/AprilTagDetection",
           "string family\nint32 id\nint32 hamming\nfloat32 goodness\nfloat32 decision_margin\n"

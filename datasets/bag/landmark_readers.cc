@@ -121,18 +121,22 @@ class LandmarkFieldsReader : public TopicReader {
   bool fields_are_named() const override { return true; }
 
   void Take(const std::vector<Found>& found, const Message& message, TopicClock* clock) override {
-    const std::size_t count = found[std::get<0>(places_.front())].size();
+    // What says how many landmarks there are; of a contact without a name it is one.
+    const std::optional<std::size_t> counted =
+        places_.empty() ? id_ : std::optional(std::get<0>(places_.front()));
+    const std::size_t count = counted ? found[*counted].size() : 1;
     for (std::size_t i = 0; i < needed_; ++i)
       if (i != *time_ && i != *frame_ && found[i].size() != count)
         throw LineError{"other numbers of one field than of another",
                         std::to_string(found[i].size()) + " of '" + paths_[i] + "', " +
-                            std::to_string(count) + " of '" + paths_[std::get<0>(places_.front())] + "'"};
+                            std::to_string(count) + " of '" + paths_[*counted] + "'"};
     if (count == 0) return;
     const auto time_s = clock->At(found[*time_].numbers, message.receive_ns);
     if (!time_s) return;
     const std::string frame = FrameName(FirstText(found[*frame_]));
     for (std::size_t i = 0; i < count; ++i) {
       Sighting seen{*time_s, message.number, NameIn(found, i), {}, frame};
+      seen.is_contact = places_.empty();
       std::array<double, 3> numbers{};  // range and bearing, or x, y, z
       for (const auto& [path, place, factor] : places_) numbers[place] = factor * ElementOf(found[path], i);
       if (is_polar_ && !(numbers[0] >= 0))
@@ -197,9 +201,9 @@ class TagReader : public TopicReader {
 constexpr std::string_view kTagsOfRos2 = "apriltag_msgs/AprilTagDetectionArray";
 
 [[noreturn]] void BadSource(const std::string& text, const std::string& what) {
-  throw InputError(
-      "--landmarks " + Printable(text, 200) + ": " + what +
-      "; it is TOPIC, TOPIC:range=FIELD,bearing=FIELD or TOPIC:x=FIELD,y=FIELD, each with ,id=FIELD");
+  throw InputError("--landmarks " + Printable(text, 200) + ": " + what +
+                   "; it is TOPIC, TOPIC:range=FIELD,bearing=FIELD, TOPIC:x=FIELD,y=FIELD or TOPIC:contact, "
+                   "each with ,id=FIELD");
 }
 
 }  // namespace
@@ -236,6 +240,11 @@ LandmarkSource ParseLandmarkSource(const std::string& text) {
   for (std::size_t end = 0; end != std::string::npos; rest.erase(0, end + 1)) {
     end = rest.find(',');
     const std::string part = rest.substr(0, end);
+    if (part == "contact" && !source.is_contact) {
+      source.is_contact = true;
+      if (end == std::string::npos) break;
+      continue;
+    }
     const std::size_t equals = part.find('=');
     const std::string key = part.substr(0, equals);
     if (std::ranges::find(kKeys, key) == kKeys.end() || equals == std::string::npos)
@@ -249,6 +258,9 @@ LandmarkSource ParseLandmarkSource(const std::string& text) {
   }
   const auto has = [&](std::string_view key) { return source.fields.contains(std::string(key)); };
   const auto axes = std::ranges::count_if(kAxes, has);
+  if (source.is_contact && (has(kRange) || has(kBearing) || axes > 0))
+    BadSource(text, "a contact is at the landmark itself: there is no place to it");
+  if (source.is_contact) return source;
   if (has(kRange) != has(kBearing) || has(kRange) == (axes > 0) || axes == 1)
     BadSource(text, "a range and a bearing are needed, or two of x, y and z");
   std::set<std::string> paths;

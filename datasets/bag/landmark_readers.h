@@ -21,11 +21,14 @@ struct ScaledField {
 // "PATH", "PATH*0.001", "PATH*deg" (of degrees radians). Throws InputError that says `whose` it is.
 ScaledField ParseScaledField(std::string_view text, const std::string& whose);
 
-// "TOPIC", "TOPIC:range=PATH,bearing=PATH,id=PATH", "TOPIC:x=PATH,y=PATH", "tf:BEGINNING".
+// "TOPIC", "TOPIC:range=PATH,bearing=PATH,id=PATH", "TOPIC:x=PATH,y=PATH", "TOPIC:contact",
+// "tf:BEGINNING".
 struct LandmarkSource {
   std::string topic;
   std::string beginning;                      // of the names of tf's frames that are landmarks
   std::map<std::string, ScaledField> fields;  // by what they are; empty: as the topic's type is known
+  bool is_contact = false;                    // the robot is at the landmark itself
+  bool has_fields() const { return is_contact || !fields.empty(); }
 };
 // Throws InputError: no such thing as `KEY=`, neither a range with a bearing nor two of x, y and z.
 LandmarkSource ParseLandmarkSource(const std::string& text);

@@ -88,10 +88,24 @@ TEST_F(BagLandmarksTest, AFieldThatIsNotThereIsNamedWithTheNearest) {
         std::pair{"/reflectors:x=a,size=b", "'size=b' is no KEY=FIELD"},
         std::pair{"/reflectors:x=a,y=", "'y=' names no field"},
         std::pair{"/reflectors:x=a*0,y=b", "'0' is nothing to multiply by"},
+        std::pair{"/reflectors:contact,x=a,y=b", "a contact is at the landmark itself"},
         std::pair{"tf:", "as tf:tag36h11"}}) {
     options_.landmarks = {given};
     ExpectContains(Refusal(messages), why);
   }
+}
+
+TEST_F(BagLandmarksTest, AContactIsAtTheRobotItself) {
+  auto messages = bag::SmallDrive(To::kRos1);
+  messages.push_back(Reflectors(1001, {{2, 90, "a"}, {3, 0, "unknown"}}));
+  options_.landmarks = {"/reflectors:contact,id=targets.label"};
+  Import(messages);
+  EXPECT_EQ(Column<std::int32_t>("robot/0/observations/landmark"), (std::vector<std::int32_t>{0, -1}));
+  EXPECT_TRUE(std::isnan(Column<double>("robot/0/observations/range_m")[0]));
+  options_.landmarks = {"/reflectors:contact"};
+  Import(messages);
+  EXPECT_EQ(Column<std::int32_t>("robot/0/observations/landmark"), (std::vector<std::int32_t>{-1}))
+      << "of each message one";
 }
 
 TEST_F(BagLandmarksTest, FieldsOfOtherNumbersAreABadMessage) {

@@ -170,8 +170,7 @@ class BagLog {
 
   // What a filter says of its heading grows with the way, where the filter knows nothing but odometry.
   void TakeNoiseOfCovariances() {
-    if (in_.odometry.poses.empty() || in_.odometry_topic == "tf" || !in_.gyro.topic.empty() ||
-        in_.noise.heading_walk_rad_per_sqrt_m)
+    if (!in_.odometry.has_covariances || !in_.gyro.topic.empty() || in_.noise.heading_walk_rad_per_sqrt_m)
       return;
     double way_m = 0;
     const std::vector<PoseRow>& poses = in_.odometry.poses;
@@ -316,14 +315,20 @@ class BagLog {
   }
 
   void AddLandmark(const Sighting& seen) {
-    const auto [mount, is_new] = cameras_.try_emplace(seen.frame);
-    if (is_new) mount->second = MountOf("--landmarks", seen.frame);
-    const PointInSpace at = Apply(mount->second, seen.point);
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     RangeEvent event;
     event.line = seen.number;
     event.stamp_s = seen.time_s;
-    event.landmark = {seen.name, std::hypot(at.x, at.y), std::atan2(at.y, at.x)};
+    event.landmark = {seen.name, kNan, kNan};
+    if (!seen.is_contact) event.landmark = PlaceOf(seen);
     ranges_.events.push_back(std::move(event));
+  }
+
+  LandmarkSeen PlaceOf(const Sighting& seen) {
+    const auto [mount, is_new] = cameras_.try_emplace(seen.frame);
+    if (is_new) mount->second = MountOf("--landmarks", seen.frame);
+    const PointInSpace at = Apply(mount->second, seen.point);
+    return {seen.name, std::hypot(at.x, at.y), std::atan2(at.y, at.x)};
   }
 
   Gathered in_;

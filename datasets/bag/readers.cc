@@ -59,6 +59,7 @@ class OdometryReader : public TopicReader {
       rows_.frame = FrameName(FirstText(found[kPosePaths + 1]));
       rows_.base = FrameName(FirstText(found[kPosePaths + 2]));
       rows_.first_variance = variance;
+      rows_.has_covariances = covariance.size() == kVariances;
     }
     rows_.last_variance = variance;
     rows_.poses.push_back({*time_s, message.number, pose.Planar()});

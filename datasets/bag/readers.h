@@ -62,6 +62,7 @@ struct Sighting {
   std::string name;    // empty: not known
   PointInSpace point;  // in `frame`
   std::string frame;
+  bool is_contact = false;  // the robot is at it: there is no point
 };
 
 // The place of a frame in tf whose name is that of a landmark, or a detection that stands for one.
@@ -117,6 +118,7 @@ struct OdometryRows {
   std::vector<PoseRow> poses;
   std::string frame, base;
   std::vector<std::string> other_joints;  // of messages without the wheels that were asked for
+  bool has_covariances = false;
   // Variances of the heading that its first and last messages state.
   double first_variance = 0, last_variance = 0;
 };

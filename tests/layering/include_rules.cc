@@ -357,7 +357,7 @@ const std::vector<Rule>& Rules() {
        false},
       {"coordinator/cli/commands/simulate",
        {"schema/", "coordinator/cli/common/", "coordinator/cli/output/", "coordinator/cli/commands/simulate/",
-        "datasets/simulate/", "nlohmann/"},
+        "datasets/bag/", "datasets/simulate/", "nlohmann/"},
        false},
   };
   return kRules;

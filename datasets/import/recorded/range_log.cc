@@ -27,13 +27,16 @@ bool HasPose(const RangeEvent& event) { return event.odometry || event.corrected
 bool IsPosedScan(const RangeEvent& event) { return event.sensor && HasPose(event); }
 bool IsPoseAlone(const RangeEvent& event) { return !event.sensor && !event.mark && !event.landmark; }
 
-// More than half of a sensor's scans have a stamp of their own (without scans: of the poses).
+// More than half of a sensor's scans have a stamp of their own (without scans: of the poses of odometry, if
+// there are any, else of all events).
 bool StampsTellApart(const Events& events) {
   const bool scans = std::ranges::any_of(events, [](const RangeEvent& e) { return e.sensor.has_value(); });
+  const bool odometry =
+      std::ranges::any_of(events, [](const RangeEvent& e) { return e.odometry.has_value(); });
   std::set<std::pair<std::size_t, double>> stamps;
   std::size_t count = 0;
   for (const RangeEvent& event : events) {
-    if (scans && !event.sensor) continue;
+    if (scans ? !event.sensor : odometry && !event.odometry) continue;
     ++count;
     stamps.emplace(event.sensor.value_or(0), event.stamp_s);
   }

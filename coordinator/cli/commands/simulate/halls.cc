@@ -31,7 +31,7 @@ int Publish(const SimulateHallsArguments& options, const Blob& log) {
 
 template <class Simulate>
 int Run(const SimulateHallsArguments& options, const Simulate& simulate) {
-  CheckOverwrite(options.out, options.force);
+  CheckOutputs(options);
   return Publish(options, simulate());
 }
 
@@ -53,6 +53,7 @@ std::shared_ptr<SimulateHallsArguments> AddHall(Command simulate, Invocation& ca
                                                 Command* app) {
   const auto options = AddCommand<SimulateHallsArguments>(simulate, call, name, summary, example, run, app);
   app->Add("--seed", options->hall.seed, "Same seed, same log").Check(CheckSeed).ShowDefault();
+  AddBagOutput(*app, *options);
   AddOutput(*app, *options, "log");
   return options;
 }

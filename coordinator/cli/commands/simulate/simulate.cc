@@ -21,7 +21,7 @@ struct SimulateArguments : SimulateOutput {
 };
 
 int Simulate(const SimulateArguments& options, const Invocation&) {
-  CheckOverwrite(options.out, options.force);
+  CheckOutputs(options);
   const Blob log = datasets::SimulateLoop(options.loop);
   return StoreSimulated(
       options, "log", log,
@@ -113,6 +113,7 @@ void AddSimulate(Command app, Invocation& call) {
       .ShowDefault();
   AddLoopOptions(loop, &options->loop);
   loop.Add("--seed", options->loop.seed, "Same seed, same log").Check(CheckSeed).ShowDefault();
+  AddBagOutput(loop, *options);
   AddOutput(loop, *options, "log");
   AddCorridor(simulate, call);
   AddSimulateHalls(simulate, call);
