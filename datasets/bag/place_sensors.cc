@@ -1,6 +1,7 @@
 #include "datasets/bag/place_sensors.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -16,6 +17,7 @@
 namespace cairn::datasets::bag {
 namespace {
 
+constexpr std::array kUsualBases = {"base_link", "base_footprint"};
 constexpr double kDegree = std::numbers::pi / 180;
 
 Transform Level(const Pose& pose) {
@@ -65,7 +67,8 @@ class BagLog {
   Transform MountOf(const std::string& topic, const std::string& frame) {
     for (const std::string& name : {topic, frame, WithoutRobot(topic), WithoutRobot(frame)})
       if (const auto given = in_.mounts.find(name); given != in_.mounts.end()) return Level(given->second);
-    if (frame == in_.base) return {};
+    const bool is_usual = std::ranges::find(kUsualBases, WithoutRobot(frame)) != kUsualBases.end();
+    if (frame == in_.base || (in_.base.empty() && is_usual)) return {};
     if (frame.empty()) {
       WarnOnce(topic +
                ": its headers name no frame: it is taken to sit in the robot's middle, looking ahead; " +
@@ -118,11 +121,8 @@ class BagLog {
   void ChooseBase() {
     if (in_.base.empty()) in_.base = in_.odometry.base;
     if (!in_.frames.Knows(in_.base)) in_.base = OwnFrame(in_.base);
-    const auto has_sensor = [&](const std::string& frame) {
-      return std::ranges::any_of(in_.scans, [&](const auto& scan) { return scan->frame == frame; });
-    };
-    for (const char* usual : {"base_link", "base_footprint"})
-      if (in_.base.empty() && (in_.frames.Knows(usual) || has_sensor(usual))) in_.base = usual;
+    for (const char* usual : kUsualBases)
+      if (in_.base.empty() && in_.frames.Knows(usual)) in_.base = usual;
   }
 
   void CompareWithOthers() {
@@ -326,7 +326,7 @@ class BagLog {
 
   LandmarkSeen PlaceOf(const Sighting& seen) {
     const auto [mount, is_new] = cameras_.try_emplace(seen.frame);
-    if (is_new) mount->second = MountOf("--landmarks", seen.frame);
+    if (is_new) mount->second = MountOf(seen.frame.empty() ? "--landmarks" : seen.frame, seen.frame);
     const PointInSpace at = Apply(mount->second, seen.point);
     return {seen.name, std::hypot(at.x, at.y), std::atan2(at.y, at.x)};
   }

@@ -32,6 +32,28 @@ exits 0 cairn map none.h5 --dry-run
 exits 0 cairn inspect cut.bag
 says 'scan sensor_msgs.LaserScan: [0-9]+ messages, .* as scans$'
 
+# What robots have beside odometry and scans: the odometry of this one says that it drives straight on.
+/usr/bin/python3 "$CAIRN_SOURCE/tests/end_to_end/make_robot_bag.py" robots.bag
+exits 0 cairn inspect robots.bag
+says 'anna/joints sensor_msgs.JointState: 161 messages, .* as odometry of two wheels, with --wheels$'
+says 'anna/fix sensor_msgs.NavSatFix: .* as true positions, with --truth$'
+poles=poles:x=poses.position.x,y=poses.position.y
+robots=(--robots anna,bob --odometry odom --landmarks "$poles" --truth fix)
+exits 0 cairn import bag robots.bag straight.h5 "${robots[@]}"
+says '^straight.h5: 2 robots, [0-9]+ controls, 644 observations$'
+says '^cairn: left out [0-9]+: messages of /anna/fix without a fix$'
+exits 0 cairn import bag robots.bag gyro.h5 "${robots[@]}" --gyro imu
+says '/bob/imu: the odometry turns as this gyro does; its bias, measured in 2 halts of .* is 0.02000 to 0.02000 rad/s'
+exits 0 cairn import bag robots.bag wheels.h5 --robots anna,bob --wheels left,right,0.1,0.5 --landmarks "$poles" --truth fix
+says '/anna/joints and /anna/odom contradict each other: .* turns by 1.57 rad, the other 6.3 m and 0.00 rad'
+turned() { cairn export csv "$1" "$1.csv" >/dev/null && awk -F, 'NR == 1 {for (i = 1; i <= NF; i++) at[$i] = i}
+  NR > 1 && $at["robot"] == "bob" {turn += $at["turn_rad"]} END {printf "%.2f\n", turn}' "$1.csv/odometry.csv"; }
+[ "$(turned straight.h5)" = 0.00 ] || die "the odometry turns by itself: $(turned straight.h5)"
+for log in gyro wheels; do
+  [ "$(turned $log.h5)" = 1.57 ] || die "$log turn by $(turned $log.h5) rad"
+done
+refuses "no field 'poses.x'; the nearest: " cairn import bag robots.bag x.h5 --robots anna --landmarks poles:x=poses.x,y=poses.y
+
 [ -n "${CAIRN_DATA:-}" ] && [ -d "$CAIRN_DATA/carmen-intel" ] || skip "CAIRN_DATA names no folder that holds carmen-intel"
 /usr/bin/python3 "$CAIRN_SOURCE/tests/end_to_end/make_bag.py" "$CAIRN_DATA/carmen-intel/intel-raw.log.gz" intel.bag intel.log lz4
 exits 0 cairn import bag intel.bag intel.h5

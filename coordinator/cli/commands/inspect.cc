@@ -1,6 +1,7 @@
 #include "datasets/inspect/inspect.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -105,9 +106,18 @@ int InspectFolder(const InspectArguments& options) {
   Throw(status);
 }
 
+// That needs no quotes in a shell.
+bool IsPlainName(const std::string& name) {
+  return std::ranges::all_of(
+      name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '/' || c == '_'; });
+}
+
 int InspectABag(const InspectArguments& options, const std::string& command) {
   datasets::BagInspection bag = datasets::InspectBag(options.file);
   bag.command = command;
+  for (const datasets::BagTopic& topic : bag.topics)
+    if (topic.as.starts_with("landmarks") && IsPlainName(topic.name))
+      bag.command += " --landmarks " + topic.name;
   if (!options.json) {
     std::printf("%s: %s", Escaped(options.file).c_str(), datasets::BagText(bag).c_str());
     return kExitDone;
