@@ -257,7 +257,7 @@ BagImportOptions OptionsOfRobot(const BagImportOptions& options, const std::vect
   BagImportOptions own = options;
   // The name of the robot's own topic; empty where another robot's is meant.
   const auto resolve = [&](const std::string& name) {
-    if (name.empty() || name == "tf" || name == "none" || HasTopic(robot.topics, name)) return name;
+    if (name.empty() || name == "tf" || name == "none" || IsOfRobot(name, robot.robot)) return name;
     const auto is_of = [&](const std::string& other) { return IsOfRobot(name, other); };
     return std::ranges::any_of(robots, is_of) ? std::string() : InNamespace(robot.robot, name);
   };

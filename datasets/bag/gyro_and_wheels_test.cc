@@ -144,6 +144,9 @@ TEST_F(GyroAndWheelsTest, WheelsWithoutPositionsGoByTheirVelocities) {
   import();
   EXPECT_NEAR(Way(), 2 * 0.3, 1e-6);
   EXPECT_NEAR(Turn(), 2 * 0.4, 1e-6);
+  messages[6].bytes = bag::JointMessage(To::kCdr, 1000.3, {"l", "r"}, {100, 200});
+  import();
+  EXPECT_NEAR(Way(), (2 - 0.2) * 0.3, 1e-6) << "of a position among velocities nothing follows";
   messages[6].bytes = bag::JointMessage(To::kCdr, 1000.3, {"l", "r"}, {}, {1});
   ExpectContains(InputErrorOf(import), "message 4 of /joints: wheels without a position or a velocity");
 }

@@ -79,6 +79,23 @@ TEST_F(BagRobotsTest, NamesWithoutANamespaceAreEachRobotsOwn) {
   ExpectContains(Refusal(messages), "there is no such topic; the nearest: '/anna/odom'");
 }
 
+TEST_F(BagRobotsTest, AGyroThatIsNamedInFullIsOneRobots) {
+  auto messages = TwoDrives();
+  for (const char* robot : {"/anna", "/bob"})
+    for (int i = 0; i <= 80; ++i)
+      messages.push_back({std::string(robot) + "/imu", "sensor_msgs/Imu", 1000 + 0.1 * i,
+                          bag::ImuMessage(To::kRos1, 1000 + 0.1 * i, 1)});
+  options_.gyro = "/bob/imu*-1";
+  Import(messages);
+  const auto turned = [&](const std::string& robot) {
+    double sum = 0;
+    for (const double turn : Column<double>("robot/" + robot + "/odometry/turn_rad")) sum += turn;
+    return sum;
+  };
+  EXPECT_NEAR(turned("0"), 0.1, 1e-9);
+  EXPECT_NEAR(turned("1"), -5, 1e-6);
+}
+
 TEST_F(BagRobotsTest, FramesInTfThatAllShareAreToldApartByTheirNames) {
   std::vector<BagMessage> messages;
   for (const auto& [name, step_m] : {std::pair{"anna", 0.1}, std::pair{"bob", 0.2}}) {

@@ -56,7 +56,14 @@ std::vector<PoseRow> PosesOnMap(const FrameTree& frames, const std::string& robo
                                 const std::string& whose, ImportReport* report) {
   const FrameTree::Links on_map = frames.MovingOn("map", robot), on_odom = frames.MovingOn("odom", robot);
   if (on_map.empty()) throw InputError(whose + ": there is no frame in tf that lies on one called 'map'");
-  const std::string& odom = on_map.front().second;
+  // What carries odometry, else the robot itself: markers lie on the map, too.
+  const auto carries = [&](const auto& one) {
+    return std::ranges::find(on_odom, one.second, &FrameTree::Links::value_type::first) != on_odom.end();
+  };
+  auto chosen = std::ranges::find_if(on_map, carries);
+  if (chosen == on_map.end()) chosen = std::ranges::find(on_map, base, &FrameTree::Links::value_type::second);
+  if (chosen == on_map.end()) chosen = on_map.begin();
+  const std::string& odom = chosen->second;
   const auto link = std::ranges::find(on_odom, odom, &FrameTree::Links::value_type::first);
   // Without odometry in between the frame on the map is the robot's, or carries it.
   const std::string& moving = link == on_odom.end() ? odom : link->second;
@@ -76,8 +83,7 @@ std::vector<PoseRow> PosesOnMap(const FrameTree& frames, const std::string& robo
     at.heading_rad = WrapAngle(at.heading_rad);
     poses.push_back({pose.time_s, poses.size() + 1, at});
   }
-  const std::string chain =
-      on_map.front().first + " > " + odom + (link == on_odom.end() ? "" : " > " + moving);
+  const std::string chain = chosen->first + " > " + odom + (link == on_odom.end() ? "" : " > " + moving);
   if (poses.empty())
     throw InputError(whose + ": the transforms of '" + Printable(chain, 200) + "' have no time in common");
   report->read["poses of " + chain + " in tf"] = static_cast<std::int64_t>(poses.size());

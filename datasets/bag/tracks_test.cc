@@ -95,7 +95,10 @@ TEST_F(BagTracksTest, AFrameThatMovesOnTheMapItselfIsTheRobot) {
   std::vector<BagMessage> messages = bag::SmallDrive(To::kRos1);
   options_.truth = "tf";
   ExpectContains(Refusal(messages), "--truth tf: there is no frame in tf that lies on one called 'map'");
-  for (int i = 0; i <= 10; ++i) messages.push_back(Transform(1000 + 0.5 * i, "map", "base_link", 0.2 * i));
+  for (int i = 0; i <= 10; ++i) {
+    messages.push_back(Transform(1000 + 0.5 * i, "map", "a_marker", 7));
+    messages.push_back(Transform(1000 + 0.5 * i, "map", "base_link", 0.2 * i));
+  }
   Import(messages);
   EXPECT_EQ(Column<double>("truth/robot/0/poses/x_m")[10], 2);
   EXPECT_EQ(Column<double>("truth/robot/0/poses/x_m").size(), 11U);

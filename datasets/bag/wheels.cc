@@ -37,6 +37,7 @@ class WheelReader : public TopicReader {
     if (!rows_.poses.empty()) {
       const double seconds = *time_s - rows_.poses.back().time_s;
       const auto roll = [&](double before, double now) {
+        if (has_positions != had_positions_) return 0.0;
         return wheels_.radius_m * (has_positions ? Turned(before, now) : before * seconds);
       };
       const double left_m = roll(left_, numbers[left]), right_m = roll(right_, numbers[right]);
@@ -46,6 +47,7 @@ class WheelReader : public TopicReader {
     rows_.poses.push_back({*time_s, message.number, pose});
     left_ = numbers[left];
     right_ = numbers[right];
+    had_positions_ = has_positions;
   }
 
  private:
@@ -67,7 +69,8 @@ class WheelReader : public TopicReader {
 
   Wheels wheels_;
   OdometryRows& rows_;
-  double left_ = 0, right_ = 0;
+  double left_ = 0, right_ = 0;  // of the message before: positions, or velocities
+  bool had_positions_ = false;
 };
 
 }  // namespace
