@@ -49,11 +49,11 @@ TEST(LandmarkMapVerdict, WhatTheObservationsSayOfThemselvesMakesItLow) {
 // Contact detections unlike those of which rates are known: that two maps are as good as each other, or that
 // most landmarks were seen once and passed again, tells all the same.
 TEST(LandmarkMapVerdict, OfContactsUnlikeThoseMeasuredWhatIsDoubtedIsLow) {
-  const auto unlike = [](int support, double lead_nats, std::vector<std::int32_t> seen) {
+  const auto unlike = [](int support, double lead_nats, const std::vector<std::int32_t>& seen) {
     Blob result = Searched(support, lead_nats);
     result.Put("search/unlike", Array::Texts({"travelled_m is 133, not 316 to 362"}));
     result.Put("robots", Array::Texts({"robot"}));
-    result.PutVector("robot/0/observations/map_landmark", std::move(seen));
+    result.PutVector("robot/0/observations/map_landmark", seen);
     result.PutVector<double>("map/landmark_x_m", {0, 1, 2, 3});
     result.PutVector<std::int64_t>("map/landmark_passes", {2, 2, 2, 2});
     return LandmarkMapVerdict(result);

@@ -62,7 +62,7 @@ Verdict WhereSeen(const std::vector<std::int32_t>& before, const std::vector<std
   map.fit.observations = static_cast<std::int64_t>(seen.size());
   map.fit.misfits = 0;
   map.fit.longest_run = 0;
-  map.robot[0].map_landmark = std::move(seen);
+  map.robot[0].map_landmark = seen;
   map.robot[1].map_landmark = other;
   return LandmarkMapVerdict(BlobOf(map));
 }
