@@ -192,17 +192,22 @@ bool IsCrash(int signal) {
   return std::ranges::find(kCrashes, signal) != kCrashes.end();
 }
 
-Status BrokeOff(const std::filesystem::path& path, int wait_status) {
+std::uint64_t BytesOf(const std::filesystem::path& path, const ChildReader& reader) {
+  return reader.bytes > 0 ? reader.bytes : FileBytes(path);
+}
+
+Status BrokeOff(const std::filesystem::path& path, int wait_status, const ChildReader& reader = {}) {
   const int signal = WIFSIGNALED(wait_status) ? WTERMSIG(wait_status) : 0;
   if (signal == SIGXCPU)
     return {Code::kRefused,
             path.string() + ": not read: it takes more than the " +
-                std::to_string(MostSeconds(FileBytes(path))) +
-                " s of the processor's time that a file of its size may take. It is damaged, or "
-                "made so; where this machine is only slow, `h5repack -f NONE` writes a copy that "
-                "takes less"};
+                std::to_string(MostSeconds(BytesOf(path, reader))) +
+                " s of the processor's time that a file of its size may take. It is damaged, or made so" +
+                (reader.name == ChildReader().name
+                     ? "; where this machine is only slow, `h5repack -f NONE` writes a copy that takes less"
+                     : "")};
   if (signal == 0 || IsCrash(signal))
-    return {Code::kCorrupt, path.string() + ": damaged; HDF5 crashed while reading it"};
+    return {Code::kCorrupt, path.string() + ": damaged; " + reader.name + " crashed while reading it"};
   std::string text =
       path.string() + ": not read: the process that reads it was ended by signal " + std::to_string(signal);
   if (signal == SIGKILL)
@@ -227,10 +232,11 @@ struct Started {
   pid_t child;
 };
 
-Result<Started> Start(const std::filesystem::path& path, const std::function<bool(FILE*)>& write) {
+Result<Started> Start(const std::filesystem::path& path, const std::function<bool(FILE*)>& write,
+                      const ChildReader& reader = {}) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return SystemFailure(path, "cannot make a pipe", errno);
-  const std::uint64_t size = FileBytes(path);
+  const std::uint64_t size = BytesOf(path, reader);
   const pid_t parent = ::getpid();
   pid_t child = 0;
   {
@@ -254,17 +260,20 @@ int WaitFor(pid_t child) {
 }  // namespace
 
 Result<FileContents> InChild(const std::filesystem::path& path,
-                             const std::function<Result<FileContents>()>& read) {
+                             const std::function<Result<FileContents>()>& read, const ChildReader& reader) {
   if (!MayFork()) return read();
-  Result<Started> started = Start(path, [&](FILE* out) {
-    PutResult(out, ReadInMemory(path, read));
-    return true;
-  });
+  Result<Started> started = Start(
+      path,
+      [&](FILE* out) {
+        PutResult(out, ReadInMemory(path, read));
+        return true;
+      },
+      reader);
   if (!started.ok()) return started.status();
   std::optional<Result<FileContents>> contents = GetContents(Reader(started.value().in.get()));
   started.value().in.reset();  // a child that still writes ends too
   const int wait_status = WaitFor(started.value().child);
-  if (!contents || wait_status != 0) return BrokeOff(path, wait_status);
+  if (!contents || wait_status != 0) return BrokeOff(path, wait_status, reader);
   return std::move(*contents);
 }
 

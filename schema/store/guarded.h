@@ -4,10 +4,12 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "schema/store/blob_file.h"
@@ -26,11 +28,18 @@ struct FileContents {
   std::vector<std::string> remarks = {};  // for people
 };
 
-// Runs `read` in a child, and brings back what it gives. kCorrupt names the file where HDF5 crashes, kRefused
-// where it computes for longer than a file of this size may take; kIo where somebody ends it, as the system
-// does for want of memory.
+// Who reads, for people, and how much there is to read: a second of the processor's time for each 4 MB.
+struct ChildReader {
+  std::string name = "HDF5";
+  std::uint64_t bytes = 0;  // 0: the file's
+};
+
+// Runs `read` in a child, and brings back what it gives. kCorrupt names the file where the reader crashes,
+// kRefused where it computes for longer than a file of this size may take; kIo where somebody ends it, as the
+// system does for want of memory.
 Result<FileContents> InChild(const std::filesystem::path& path,
-                             const std::function<Result<FileContents>()>& read);
+                             const std::function<Result<FileContents>()>& read,
+                             const ChildReader& reader = {});
 
 // The same of bytes that a child writes while its parent takes them: neither holds more than a part of them.
 class ChildStream {

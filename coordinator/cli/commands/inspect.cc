@@ -11,7 +11,7 @@
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/result_file.h"
 #include "coordinator/cli/output/text_table.h"
-#include "datasets/bag/inspect_bag.h"
+#include "datasets/bag/in_child.h"
 #include "datasets/import/recognize.h"
 #include "datasets/kinds/result_kinds.h"
 #include "schema/kinds/kind.h"
@@ -112,17 +112,8 @@ bool IsPlainName(const std::string& name) {
       name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '/' || c == '_'; });
 }
 
-int InspectABag(const InspectArguments& options, const std::string& command) {
-  datasets::BagInspection bag = datasets::InspectBag(options.file);
-  bag.command = command;
-  for (const datasets::BagTopic& topic : bag.topics)
-    if (topic.as.starts_with("landmarks") && IsPlainName(topic.name))
-      bag.command += " --landmarks " + topic.name;
-  if (!options.json) {
-    std::printf("%s: %s", Escaped(options.file).c_str(), datasets::BagText(bag).c_str());
-    return kExitDone;
-  }
-  nlohmann::ordered_json json = {{"file", options.file},
+std::string BagJson(const std::string& file, const datasets::BagInspection& bag) {
+  nlohmann::ordered_json json = {{"file", file},
                                  {"what", bag.what},
                                  {"first_s", bag.first_s},
                                  {"length_s", bag.length_s},
@@ -136,7 +127,18 @@ int InspectABag(const InspectArguments& options, const std::string& command) {
     json["topics"].push_back(std::move(one));
   }
   json["commands"] = {bag.command};
-  std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+int InspectABag(const InspectArguments& options, const std::string& command) {
+  const auto tell = [&](datasets::BagInspection bag) {
+    bag.command = command;
+    for (const datasets::BagTopic& topic : bag.topics)
+      if (topic.as.starts_with("landmarks") && IsPlainName(topic.name))
+        bag.command += " --landmarks " + topic.name;
+    return options.json ? BagJson(options.file, bag) : Escaped(options.file) + ": " + datasets::BagText(bag);
+  };
+  std::fputs(Take(datasets::InspectBagInChild(options.file, tell)).c_str(), stdout);
   return kExitDone;
 }
 

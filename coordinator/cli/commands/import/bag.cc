@@ -1,6 +1,7 @@
 #include "coordinator/cli/commands/import/parts.h"
+#include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/output/path.h"
-#include "datasets/bag/import_bag.h"
+#include "datasets/bag/in_child.h"
 
 namespace cairn::cli {
 namespace {
@@ -17,7 +18,7 @@ int ImportBag(const BagOptions& options, const Invocation&) {
   datasets::BagImportOptions import = options.import;
   for (const std::string& mount : options.mounts) import.mounts.insert(ParseMount(mount, "/scan=0.1,0,180"));
   Blob log;
-  const datasets::ImportReport report = datasets::ImportBag(import, &log);
+  const datasets::ImportReport report = Take(datasets::ImportBagInChild(import, &log));
   return StoreImport(options, log, report);
 }
 

@@ -1,0 +1,135 @@
+#include "datasets/bag/in_child.h"
+
+#include <charconv>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "datasets/bag/container.h"
+#include "schema/store/guarded.h"
+
+namespace cairn::datasets {
+namespace {
+
+using store::FileContents;
+
+// What the child's limit is made of: a chunk may unpack to several times its size, and a bag with clouds is
+// read twice.
+store::ChildReader ReaderOfBags(const std::vector<std::string>& paths) {
+  constexpr std::uint64_t kTimes = 8;
+  store::ChildReader reader{"its reader", 1};
+  for (const std::string& path : paths)
+    for (const std::string& file : bag::BagFilesOf(path)) {
+      std::error_code unknown;
+      const std::uintmax_t size = std::filesystem::file_size(file, unknown);
+      reader.bytes += unknown ? 0 : kTimes * size;
+    }
+  return reader;
+}
+
+Result<FileContents> Run(const std::vector<std::string>& paths, const std::function<FileContents()>& make) {
+  return store::InChild(
+      paths.front(),
+      [&]() -> Result<FileContents> {
+        try {
+          return make();
+        } catch (const InputError& error) {
+          return Status(Code::kRefused, error.what());
+        }
+      },
+      ReaderOfBags(paths));
+}
+
+// A report's counts and texts, each with what it is: `visit(kind, count, text)`.
+template <class Report, class Visit>
+void VisitReport(Report& report, const Visit& visit) {
+  const auto counts = {std::pair{"robots", &report.robots},
+                       std::pair{"controls", &report.controls},
+                       std::pair{"observations", &report.observations},
+                       std::pair{"contacts", &report.contacts},
+                       std::pair{"robot_observations", &report.robot_observations},
+                       std::pair{"landmarks", &report.landmarks},
+                       std::pair{"scans", &report.scans}};
+  for (const auto& [kind, count] : counts) visit.Count(kind, count);
+  visit.Counts("read", &report.read);
+  visit.Counts("skipped", &report.skipped);
+  visit.Counts("dropped", &report.dropped);
+  visit.Texts("warnings", &report.warnings);
+  visit.Texts("unit_doubts", &report.unit_doubts);
+}
+
+// "KIND COUNT TEXT".
+struct Writer {
+  std::vector<std::string>& lines;
+  void Line(const std::string& kind, std::int64_t count, const std::string& text) const {
+    lines.push_back(kind + " " + std::to_string(count) + " " + text);
+  }
+  void Count(const char* kind, const std::int64_t* count) const { Line(kind, *count, ""); }
+  void Counts(const char* kind, const std::map<std::string, std::int64_t>* counts) const {
+    for (const auto& [text, count] : *counts) Line(kind, count, text);
+  }
+  void Texts(const char* kind, const std::vector<std::string>* texts) const {
+    for (const std::string& text : *texts) Line(kind, 0, text);
+  }
+};
+
+struct Taker {
+  const std::string& kind;
+  std::int64_t count;
+  const std::string& text;
+  void Count(const char* name, std::int64_t* to) const {
+    if (kind == name) *to = count;
+  }
+  void Counts(const char* name, std::map<std::string, std::int64_t>* to) const {
+    if (kind == name) (*to)[text] = count;
+  }
+  void Texts(const char* name, std::vector<std::string>* to) const {
+    if (kind == name) to->push_back(text);
+  }
+};
+
+ImportReport ReportOf(const std::vector<std::string>& lines) {
+  ImportReport report;
+  for (const std::string& line : lines) {
+    const std::size_t first = line.find(' '), second = line.find(' ', first + 1);
+    const std::string kind = line.substr(0, first), text = line.substr(second + 1);
+    std::int64_t count = 0;
+    std::from_chars(line.data() + first + 1, line.data() + second, count);
+    VisitReport(report, Taker{kind, count, text});
+  }
+  return report;
+}
+
+}  // namespace
+
+Result<ImportReport> ImportBagInChild(const BagImportOptions& options, Blob* log) {
+  Result<FileContents> made = Run(options.files, [&] {
+    FileContents contents;
+    const ImportReport report = ImportBag(options, &contents.blob);
+    VisitReport(report, Writer{contents.remarks});
+    for (const auto& [name, array] : contents.blob.fields())
+      contents.datasets.push_back({name, array.type(), array.item_bytes(), array.shape(), "", 0});
+    return contents;
+  });
+  if (!made.ok()) return made.status();
+  *log = std::move(made.value().blob);
+  return ReportOf(made.value().remarks);
+}
+
+Result<std::string> InspectBagInChild(const std::string& path,
+                                      const std::function<std::string(const BagInspection&)>& tell) {
+  const Result<FileContents> made = Run({path}, [&] {
+    constexpr std::size_t kPiece = 1 << 19;  // of a text that a child may hand over
+    FileContents contents;
+    const std::string text = tell(InspectBag(path));
+    for (std::size_t at = 0; at < text.size(); at += kPiece)
+      contents.remarks.push_back(text.substr(at, kPiece));
+    return contents;
+  });
+  if (!made.ok()) return made.status();
+  std::string text;
+  for (const std::string& piece : made.value().remarks) text += piece;
+  return text;
+}
+
+}  // namespace cairn::datasets
