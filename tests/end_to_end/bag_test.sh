@@ -38,7 +38,7 @@ exits 0 cairn inspect robots.bag
 says 'anna/joints sensor_msgs.JointState: 161 messages, .* as odometry of two wheels, with --wheels$'
 says 'anna/fix sensor_msgs.NavSatFix: .* as true positions, with --truth$'
 poles=poles:x=poses.position.x,y=poses.position.y
-robots=(--robots anna,bob --odometry odom --landmarks "$poles" --truth fix)
+robots=(--robots "anna,bob" --odometry odom --landmarks "$poles" --truth fix)
 exits 0 cairn import bag robots.bag straight.h5 "${robots[@]}"
 says '^straight.h5: 2 robots, [0-9]+ controls, 644 observations$'
 says '^cairn: left out [0-9]+: messages of /anna/fix without a fix$'
