@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import io
+import json
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
+import threading
+import time
 import unittest
 import warnings
 from pathlib import Path
@@ -191,7 +195,7 @@ class PackageTest(unittest.TestCase):
     def test_evaluate_says_what_the_program_says(self) -> None:
         said = subprocess.run(["cairn", "evaluate", "map", "--truth", "log.h5", "--json"], check=True, capture_output=True)
         scores = cairn.evaluate("map", truth=Path("log.h5"))
-        self.assertEqual(scores, __import__("json").loads(said.stdout))
+        self.assertEqual(scores, json.loads(said.stdout))
         self.assertGreater(scores["landmarks"]["found"], 0)
         with h5py.File(self.copy("moved.h5"), "r+") as f:
             f["map/landmark_x_m"][:] += 100
@@ -208,6 +212,27 @@ class PackageTest(unittest.TestCase):
         self.assertEqual(caught.exception.exit_code, 1)
         with mock.patch.dict(os.environ, PATH="/nowhere"):
             self.refused("there is no program 'cairn' on the path", cairn.evaluate, "map", "log.h5", error=cairn.CairnError)
+
+    def test_an_interrupt_waits_until_the_program_has_saved_what_it_had(self) -> None:
+        os.makedirs("fake", exist_ok=True)
+        fake = Path("fake/cairn")
+        fake.write_text("#!/bin/sh\ntrap 'sleep 0.5; echo yes >saved; exit 130' INT\n: >started\nwhile :; do sleep 0.05; done\n")
+        fake.chmod(0o755)
+
+        def interrupt() -> None:
+            while not Path("started").exists():
+                time.sleep(0.01)
+            os.kill(os.getpid(), signal.SIGINT)  # Python alone hears of it, as in a notebook
+
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        try:
+            with mock.patch.dict(os.environ, PATH=f"{os.getcwd()}/fake:{os.environ['PATH']}"):
+                threading.Thread(target=interrupt).start()
+                with self.assertRaises(KeyboardInterrupt):
+                    cairn.command("run", "job.yaml")
+            self.assertEqual(Path("saved").read_text(), "yes\n")
+        finally:
+            signal.signal(signal.SIGINT, before)
 
     def test_a_job_is_handed_in(self) -> None:
         with subprocess.Popen(["cairn", "coordinator", "--store", "store"], stderr=subprocess.DEVNULL) as coordinator:

@@ -1,4 +1,4 @@
-"""The checksum trailer of Cairn's files: XXH3-128 by numpy alone, at some hundred megabytes a second.
+"""The checksum trailer of Cairn's files: XXH3-128 by numpy alone.
 
 The algorithm is that of xxHash's specification (Y. Collet, doc/xxhash_spec.md) for inputs of more than 240 bytes, as all
 HDF5 files are, without a seed.
