@@ -45,12 +45,73 @@ const readShape = (element) => {
   } else {
     return null;  // texts are placed anew
   }
-  if (shape.points) {
+  shape.isCourse = shape.tag === "polyline" && shape.points.length > 1000;  // drawn as far as it is seen
+  if (shape.points && !shape.isCourse) {
     shape.path = new Path2D();
     for (let i = 0; i < shape.points.length; i += 2) shape.path.lineTo(shape.points[i], shape.points[i + 1]);
     if (shape.tag === "polygon") shape.path.closePath();
   }
   return shape;
+};
+
+// Of a course the points that matter: none of the others lies farther off than that from the line through these (Douglas and
+// Peucker, on pieces of it, so that it takes no longer than so many passes).
+const thinned = (points, off) => {
+  const last = points.length / 2 - 1, block = 1024, keep = new Uint8Array(last + 1), kept = [], stack = [];
+  for (let from = 0; from < last; from += block) stack.push(from, Math.min(from + block, last));
+  while (stack.length > 0) {
+    const to = stack.pop(), from = stack.pop();
+    keep[from] = keep[to] = 1;
+    const ax = points[2 * from], ay = points[2 * from + 1], bx = points[2 * to] - ax, by = points[2 * to + 1] - ay;
+    const square = bx * bx + by * by;
+    let farthest = off * off, at = -1;
+    for (let i = from + 1; i < to; ++i) {
+      const dx = points[2 * i] - ax, dy = points[2 * i + 1] - ay;
+      const share = square > 0 ? Math.min(1, Math.max(0, (dx * bx + dy * by) / square)) : 0;
+      const away = (dx - share * bx) ** 2 + (dy - share * by) ** 2;
+      if (away > farthest) [farthest, at] = [away, i];
+    }
+    if (at >= 0) stack.push(from, at, at, to);
+  }
+  keep.forEach((is, i) => is && kept.push(i));
+  return Int32Array.from(kept);
+};
+
+// The same at a scale, to a pixel at most, in pieces with the box that each lies in; made once for scales that differ by less
+// than two.
+const levelOf = (shape, scale) => {
+  const octave = Math.ceil(Math.log2(scale)), {points} = shape, size = 64;
+  shape.levels ||= new Map();
+  if (shape.levels.has(octave)) return shape.levels.get(octave);
+  const kept = thinned(points, 1 / 2 ** octave), pieces = [];
+  for (let from = 0; from + 1 < kept.length; from += size) {
+    const piece = {from, to: Math.min(from + size, kept.length - 1), x0: Infinity, y0: Infinity, x1: -Infinity, y1: -Infinity};
+    for (let i = piece.from; i <= piece.to; ++i) {
+      const x = points[2 * kept[i]], y = points[2 * kept[i] + 1];
+      piece.x0 = Math.min(piece.x0, x);
+      piece.x1 = Math.max(piece.x1, x);
+      piece.y0 = Math.min(piece.y0, y);
+      piece.y1 = Math.max(piece.y1, y);
+    }
+    pieces.push(piece);
+  }
+  shape.levels.set(octave, {kept, pieces});
+  return shape.levels.get(octave);
+};
+
+// So much of a course as there is to see of it in a box, up to a time: a path for each piece, for one of very many points takes a
+// browser far longer than they do.
+const courseIn = (shape, scale, box, until = Infinity) => {
+  const {kept, pieces} = levelOf(shape, scale), {points, times} = shape, paths = [];
+  for (const piece of pieces) {
+    if (piece.x1 < box.x0 || piece.x0 > box.x1 || piece.y1 < box.y0 || piece.y0 > box.y1) continue;
+    if (until < Infinity && times[kept[piece.from]] > until) break;
+    const path = new Path2D();
+    for (let i = piece.from; i <= piece.to && !(until < Infinity && times[kept[i]] > until); ++i)
+      path.lineTo(points[2 * kept[i]], points[2 * kept[i] + 1]);
+    paths.push(path);
+  }
+  return paths;
 };
 
 // Round steps of about `pixels` each.

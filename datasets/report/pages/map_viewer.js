@@ -291,7 +291,7 @@ class MapViewer {
       return;
     }
     const looks = looksOf(this.svg, this.looks, shape.tag, shape.classes);
-    let path = shape.path, scale = this.scale;
+    let path = shape.r ? null : this.pathOf(shape), scale = this.scale;
     if (shape.r) {
       const at = this.toPixels(shape.x, shape.y);
       if (at.x < -20 || at.y < -20 || at.x > this.size.width + 20 || at.y > this.size.height + 20) return;
@@ -312,19 +312,26 @@ class MapViewer {
     if (looks.stroke !== "none") this.stroke(context, path, looks, scale, looks.strokeOpacity);
     context.globalAlpha = 1;
   }
+  pathOf(shape, until) {
+    if (!shape.isCourse) return shape.path;
+    const spare = 10 / this.scale, {width, height} = this.size;
+    return courseIn(shape, this.scale, {x0: this.x - spare, y0: this.y - spare, x1: this.x + width / this.scale + spare,
+      y1: this.y + height / this.scale + spare}, until);
+  }
   stroke(context, path, looks, scale, opacity) {
     context.globalAlpha = opacity * this.strength;
     context.strokeStyle = looks.stroke;
     context.lineWidth = looks.width / scale;
     context.lineJoin = context.lineCap = "round";
     context.setLineDash((this.isGhost ? [7, 5] : looks.dash).map((length) => length / scale));
-    context.stroke(path);
+    for (const part of [path].flat()) context.stroke(part);
     context.setLineDash([]);
   }
 
   // The whole path faint, and of it what was until the slider's time.
   faintThenPart(context, shape, looks) {
-    this.stroke(context, shape.path, looks, this.scale, 0.18);
+    this.stroke(context, this.pathOf(shape), looks, this.scale, 0.18);
+    if (shape.isCourse) return this.pathOf(shape, this.until);
     const part = new Path2D(), at = placeAt(shape, this.until);
     for (let i = 0; i < shape.times.length && shape.times[i] <= this.until; ++i)
       part.lineTo(shape.points[2 * i], shape.points[2 * i + 1]);
