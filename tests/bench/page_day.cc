@@ -111,6 +111,7 @@ int Main(const std::vector<std::string>& args) {
                step_s = args.size() < 2 ? 1 : std::atof(args[1].c_str());
   const auto day = std::make_shared<Day>();
   std::shared_ptr<page::Site> site;
+  std::string link;
   std::atomic<double> now_s = 0;
   auto server = coordinator::HttpServer::Listen(
       "0", "a day", {.streams = 4, .body_bytes = 1000},
@@ -120,11 +121,10 @@ int Main(const std::vector<std::string>& args) {
   site = std::make_shared<page::Site>(
       page::SiteOptions{.foot = "a day"},
       page::Entrance({.address = server.value()->address(), .proxy = "", .password = ""},
-                     [](const std::string& link) {
-                       std::printf("open %s\n", link.c_str());
-                       std::fflush(stdout);
-                     }),
+                     [&link](const std::string& next) { link = next; }),
       day, [&now_s] { return now_s.load(); });
+  std::printf("open %s\n", link.c_str());
+  std::fflush(stdout);
   while (server.value()->streams() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   int hour = 0;
   for (double at_s = step_s; at_s <= 3600 * hours; at_s += step_s) {
