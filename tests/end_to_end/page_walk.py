@@ -231,6 +231,7 @@ def compare(walk, job):
     walk.until_says('done', '.title')
     walk.go('/jobs/' + job)
     browser.until(lambda: browser.has(f'#others option[value="{other}"]'), 'the other job')
+    walk.check('done-of-two')
     browser.find('[name=other]').type(other)
     browser.run('document.querySelector("[name=log]").selectedIndex = 1')
     browser.until(lambda: browser.run('return document.querySelector("[name=other]").value') == other, 'what was typed')
