@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "pipelines/landmark_map/testing.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::landmark_map {
 namespace {
