@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <numeric>
 #include <utility>
 
@@ -31,27 +32,46 @@ Odometry Later(Odometry odometry, double late_s) {
   return odometry;
 }
 
-// One robot's observations at other times than they say, and what that costs.
+// One robot's observations, among their landmarks, at other times than they say, and what that costs.
 class Shifted {
  public:
   Shifted(const LeastSquaresProblem& problem, const LeastSquaresPoint& point, const Odometry& odometry,
           std::size_t robot)
-      : problem_(problem), point_(point), odometry_(odometry), robot_(robot) {}
+      : odometry_(odometry) {
+    LeastSquaresProblem alone = problem;
+    alone.robots = {problem.robots[robot]};
+    alone.widths = {problem.widths[robot]};
+    alone.repeats = {};  // a shift that nobody takes off makes errors that go on
+    std::erase_if(alone.sightings,
+                  [&](const Sighting& seen) { return seen.robot != static_cast<int>(robot); });
+    for (Sighting& seen : alone.sightings) seen.robot = 0;
+    problem_ = Beginning(alone, kMostSightings);
+    std::map<int, int> now;  // its landmarks, in the order in which it sees them
+    for (Sighting& seen : problem_.sightings) {
+      const auto [at, is_new] = now.try_emplace(seen.landmark, static_cast<int>(now.size()));
+      if (is_new) point_.landmarks.push_back(point.landmarks[static_cast<std::size_t>(seen.landmark)]);
+      seen.landmark = at->second;
+    }
+    problem_.landmarks = static_cast<int>(now.size());
+    point_.nodes = {point.nodes[robot]};
+    point_.nodes[0].resize(problem_.robots[0].time_s.size());
+    point_.errors = {point.errors[robot]};
+  }
 
   double Cost(double late_s) {
     constexpr int kSteps = 20;
     const Odometry later = Later(odometry_, late_s);
-    NodeTrack& track = problem_.robots[robot_];
+    NodeTrack& track = problem_.robots[0];
     for (std::size_t k = 0; k < track.controls.size(); ++k)
       track.controls[k] = ControlsBetween(later, track.time_s[k], track.time_s[k + 1]);
     return Descend(problem_, point_, kSteps).cost;
   }
+  double sightings() const { return static_cast<double>(problem_.sightings.size()); }
 
  private:
   LeastSquaresProblem problem_;
-  const LeastSquaresPoint& point_;
+  LeastSquaresPoint point_;
   const Odometry& odometry_;
-  std::size_t robot_;
 };
 
 // Twice as far while that explains more, then halfway between.
@@ -87,15 +107,11 @@ ClockShift FindShift(Shifted shifted) {
 
 std::vector<ClockShift> FindClockShifts(const LeastSquaresProblem& problem, const LeastSquaresPoint& point,
                                         std::span<const Odometry> odometry) {
-  LeastSquaresProblem part = Beginning(problem, kMostSightings);
-  part.repeats = {};  // a shift that nobody takes off makes errors that go on
-  LeastSquaresPoint start = point;
-  for (std::size_t r = 0; r < odometry.size(); ++r) start.nodes[r].resize(part.robots[r].time_s.size());
   std::vector<ClockShift> shifts;
   for (std::size_t r = 0; r < odometry.size(); ++r) {
-    ClockShift shift = FindShift(Shifted(part, start, odometry[r], r));
-    const auto seen = std::ranges::count(part.sightings, static_cast<int>(r), &Sighting::robot);
-    if (shift.gain_nats < std::max(kLeast_nats, kLeastEach_nats * static_cast<double>(seen))) shift = {};
+    const Shifted shifted(problem, point, odometry[r], r);
+    ClockShift shift = shifted.sightings() > 0 ? FindShift(shifted) : ClockShift{};
+    if (shift.gain_nats < std::max(kLeast_nats, kLeastEach_nats * shifted.sightings())) shift = {};
     shifts.push_back(shift);
   }
   return shifts;
