@@ -12,19 +12,28 @@ exits 0 "${job[@]}" --out undisturbed
 saved() { find killed/.cairn/checkpoints -name '[0-9]*.h5' -newer mark 2>/dev/null | grep -q .; }
 ended() { ! kill -0 "$run" 2>/dev/null; }
 saved_or_ended() { saved || ended; }
-killed=0
-for ((i = 0; i < kills; ++i)); do
+# life WAIT: starts or resumes the run and kills it, at once or when it has saved more; sets `cut`: that came before its end.
+life() {
+  local workers worker
   touch mark
   "${job[@]}" --out killed >background.out 2>background.err &
-  run=$!
-  [ "$i" -eq 0 ] || until_true 120 saved_or_ended
+  run=$! cut=0
+  [ "$1" -eq 0 ] || until_true 120 saved_or_ended
   workers=$(pgrep -P "$run" -f cairn-worker || true)
-  if kill -9 "$run" 2>/dev/null; then killed=$((killed + 1)); fi
+  if kill -9 "$run" 2>/dev/null; then cut=1; fi
   wait "$run" 2>/dev/null || true
+  if [ -e killed/landmark_map.h5 ]; then cut=0; fi
   for worker in $workers; do
     gone() { ! kill -0 "$worker" 2>/dev/null || grep -q '^State:.Z' "/proc/$worker/status" 2>/dev/null; }
     until_true 20 gone
   done
+}
+killed=0
+# On a busy machine a run may end before it is looked at: then anew.
+for ((i = 0; i < kills || (cut == 0 && i < 4 * kills); ++i)); do
+  life "$i"
+  killed=$((killed + cut))
+  if [ "$cut" -eq 0 ]; then rm -rf killed; fi
 done
 [ "$killed" -gt 1 ] || die "the run was over before it could be killed twice"
 exits 0 "${job[@]}" --out killed
