@@ -25,12 +25,23 @@ command -v setsid >/dev/null || { echo "it has no setsid (util-linux)" >&2; exit
 : >writable || exit 1
 )sh";
 
-// The shell that waits for a worker outlives a signal to both, to say how it ended. It is waited for until it
-// does, or is gone: its number comes once it has set its trap.
+// The shell that waits for a worker is told when the worker is to go, hands that on, and says how it ended. A
+// signal is lost that comes before the worker's program is in the place of the shell's own, so it looks for
+// that first. It is waited for until it does, or is gone: its number comes once it has set its trap.
 constexpr const char* kBegin = R"sh(
 begin() {
   rm -f "$1.exit"
-  pid=$(setsid sh -c 'trap : TERM INT; echo $$; exec >>"$0.log"; "$@"; echo $? >"$0.end"; mv "$0.end" "$0.exit"' \
+  pid=$(setsid sh -c 'tell() {
+      while cmp -s "/proc/$$/cmdline" "/proc/$worker/cmdline"; do sleep 0.01; done
+      kill -s TERM "$worker"
+    }
+    trap "if [ -n \"\$worker\" ]; then tell; else told=1; fi" TERM INT
+    echo $$
+    exec >>"$0.log"
+    "$@" & worker=$!
+    [ -z "$told" ] || tell
+    until wait "$worker"; code=$?; ! kill -0 "$worker" 2>/dev/null; do :; done
+    echo "$code" >"$0.end"; mv "$0.end" "$0.exit"' \
     "$@" </dev/null 2>>"$1.log" &)
   echo "$pid $(began "$pid")" >"$1.pid"
 }
@@ -100,7 +111,7 @@ echo listed
 
 std::string StopScript(const HostsOptions& options, const Host& host, const std::vector<std::string>& names) {
   return EnterFolder(options, host) + "for name in" + Words(names) + R"sh(; do
-  if runs "$name"; then kill -s TERM -- "-$pid"; fi
+  if runs "$name"; then kill -s TERM "$pid"; fi
 done
 )sh";
 }
