@@ -80,7 +80,9 @@ class RoundedTimes : public ImportTest {
     std::string rows = "time_s,turn_rad,forward_m\n", seen = "time_s,landmark,range_m,bearing_rad\n";
     for (int i = 0; i < 600; ++i) {
       rows += std::to_string(odometry(from_s + 0.1 * i)) + ",0.01,0.05\n";
-      if (i % 5 == 3) seen += std::to_string(observations(from_s + 0.1 * i)) + ",door,2,0\n";
+      if (i % 5 == 3)
+        seen +=
+            std::to_string(observations(from_s + 0.1 * i)) + (i % 2 == 0 ? ",door,2,0\n" : ",door,3,0.1\n");
     }
     options_.odometry = folder_.Put("o.csv", rows);
     options_.observations = folder_.Put("s.csv", seen);
