@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <span>
 
@@ -331,8 +332,10 @@ Verdict::Doubt OfRangeOffsets(const kinds::LandmarkMap& map, Verdict* verdict) {
   }
   if (furthest_m == 0) return {Confidence::kHigh};
   verdict->numbers.emplace_back("range_offset_m", furthest_m);
-  return {Confidence::kHigh, fmt::format("the ranges of {} are {:.2f} m too {}, which was taken off", robot,
-                                         std::abs(furthest_m), furthest_m > 0 ? "long" : "short")};
+  // Of several robots a factor on the ranges of one shows as offsets of both.
+  return {map.robot.size() > 1 ? Confidence::kFair : Confidence::kHigh,
+          fmt::format("the ranges of {} are {:.2f} m too {}, which was taken off", robot,
+                      std::abs(furthest_m), furthest_m > 0 ? "long" : "short")};
 }
 
 // Its way over all of its time.
@@ -360,6 +363,25 @@ Verdict::Doubt OfClocks(const kinds::LandmarkMap& map, Verdict* verdict) {
           fmt::format("the observations of {} fit better some {:.2g} s {}: are its sensor's clock and its "
                       "odometry's the same?",
                       map.robots[furthest], std::abs(late_s), late_s > 0 ? "earlier" : "later")};
+}
+
+// A sensor that is turned on its robot bends the map.
+Verdict::Doubt OfTurnedSensors(const kinds::LandmarkMap& map, Verdict* verdict) {
+  std::size_t furthest = 0;
+  double turned_rad = 0;
+  for (std::size_t r = 0; r < map.robot.size(); ++r) {
+    if (std::abs(map.robot[r].bearings_turned_rad.Or(0)) <= std::abs(turned_rad)) continue;
+    turned_rad = map.robot[r].bearings_turned_rad.Or(0);
+    furthest = r;
+  }
+  if (turned_rad == 0) return {Confidence::kHigh};
+  constexpr double kDegree_rad = std::numbers::pi / 180, kFar_rad = 2 * kDegree_rad;
+  verdict->numbers.emplace_back("bearings_turned_rad", turned_rad);
+  return {
+      std::abs(turned_rad) > kFar_rad ? Confidence::kFair : Confidence::kHigh,
+      fmt::format("the bearings of {} fit better some {:.2g} degrees {}: is its sensor turned on the robot?",
+                  map.robots[furthest], std::abs(turned_rad) / kDegree_rad,
+                  turned_rad > 0 ? "smaller" : "larger")};
 }
 
 // Turns the observations tell well, whatever odometry says: MRCLAM's robots turn three quarters as far as
@@ -428,7 +450,7 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, const SeenO
         OfLandmarksOnOneSide(map, verdict), OfFewInCommon(map, verdict), OfHoles(map, verdict),
         OfPlaces(map, verdict), OfOneSided(map, verdict), OfUncertainty(map, verdict),
         OfDistances(map, verdict), OfTurns(map, verdict), OfClocks(map, verdict),
-        OfRangeOffsets(map, verdict)}) {
+        OfTurnedSensors(map, verdict), OfRangeOffsets(map, verdict)}) {
     verdict->Add(doubt);
   }
 }

@@ -415,6 +415,18 @@ TEST(LandmarkMapVerdict, TwoClocksThatDifferAreSaid) {
   }
 }
 
+TEST(LandmarkMapVerdict, ASensorThatIsTurnedIsSaid) {
+  Blob map = FittedMap(200, 0, 0, 0);
+  for (const double turned_rad : {0.02, 0.1, -0.1}) {
+    map.PutScalar("robot/0/bearings_turned_rad", turned_rad);
+    const Verdict verdict = LandmarkMapVerdict(map);
+    EXPECT_EQ(verdict.trust, std::abs(turned_rad) > 0.05 ? Confidence::kFair : Confidence::kHigh);
+    EXPECT_NE(verdict.why.find(turned_rad > 0 ? "degrees smaller: is" : "degrees larger: is"),
+              std::string::npos)
+        << verdict.why;
+  }
+}
+
 TEST(LandmarkMapVerdict, AVagueMapIsNotHigh) {
   const auto spread = [](double sd_m, double extent_m = 10) {
     Blob map = FittedMap(200, 0, 0, 0);
@@ -472,6 +484,16 @@ TEST(LandmarkMapVerdict, OdometryOfAnotherScaleThanTheRangesIsNamed) {
             std::string::npos)
       << far.why;
   EXPECT_NE(scaled(1, 0.8).why.find("has turned 0.80 times as far"), std::string::npos);
+}
+
+// With named landmarks a factor on the ranges of one robot makes offsets of both.
+TEST(LandmarkMapVerdict, ConstantErrorsOfRangesAreADoubtWhereThereAreSeveralRobots) {
+  Blob map = FittedMap(200, 0, 0, 0);
+  map.PutScalar<double>("robot/0/range_offset_m", -0.1);
+  EXPECT_EQ(LandmarkMapVerdict(map).trust, Confidence::kHigh);
+  map.Put("robots", Array::Texts({"robot", "other"}));
+  map.PutVector<std::int32_t>("robot/1/observations/map_landmark", {});
+  EXPECT_EQ(LandmarkMapVerdict(map).trust, Confidence::kFair);
 }
 
 TEST(LandmarkMapVerdict, ConstantErrorsOfRangesAreSaid) {

@@ -325,8 +325,9 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
       result.PutScalar<double>(prefix + "distance_scale", 1 + errors.way);
       result.PutScalar<double>(prefix + "turn_scale", 1 + errors.turn);
       if (errors.range_m != 0.0) result.PutScalar<double>(prefix + "range_offset_m", errors.range_m);
-      if (const double late_s = refined.clocks[r].late_s; late_s != 0.0)
-        result.PutScalar<double>(prefix + "observations_late_s", late_s);
+      const SensorShift& sensor = refined.sensors[r];
+      if (sensor.late_s != 0.0) result.PutScalar(prefix + "observations_late_s", sensor.late_s);
+      if (sensor.turned_rad != 0.0) result.PutScalar(prefix + "bearings_turned_rad", sensor.turned_rad);
       const EdgeWidths& widths = refined.paths[r].widths();
       result.PutScalar<double>(prefix + "odometry_walk_rad_per_sqrt_m", widths.walk_rad_per_sqrt_m);
       result.PutScalar<double>(prefix + "odometry_turn_rad_per_sqrt_rad", widths.turn_rad_per_sqrt_rad);

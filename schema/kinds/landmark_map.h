@@ -44,8 +44,9 @@ struct LandmarkMap {
     RobotPoses poses;
     Column<std::int32_t> map_landmark;  // of each observation
     Column<double> probability, heading_drift_rad_per_m, heading_walk_rad_per_sqrt_m, turn_ratio,
-        distance_scale, turn_scale, range_offset_m, observations_late_s, odometry_walk_rad_per_sqrt_m,
-        odometry_turn_rad_per_sqrt_rad, odometry_way_m_per_sqrt_m, place_lead_nats;
+        distance_scale, turn_scale, range_offset_m, observations_late_s, bearings_turned_rad,
+        odometry_walk_rad_per_sqrt_m, odometry_turn_rad_per_sqrt_rad, odometry_way_m_per_sqrt_m,
+        place_lead_nats;
     Column<std::int64_t> shared_landmarks, one_sided_landmarks;
     Beliefs beliefs;
     static void Fields(const auto& field) {
@@ -61,6 +62,7 @@ struct LandmarkMap {
       field({"turn_scale", "", Positive()}, &Robot::turn_scale);
       field({"range_offset_m", "", Finite()}, &Robot::range_offset_m);
       field({"observations_late_s", "", Finite()}, &Robot::observations_late_s);
+      field({"bearings_turned_rad", "", Finite()}, &Robot::bearings_turned_rad);
       field({"odometry_walk_rad_per_sqrt_m", "", NotNegative()}, &Robot::odometry_walk_rad_per_sqrt_m);
       field({"odometry_turn_rad_per_sqrt_rad", "", NotNegative()}, &Robot::odometry_turn_rad_per_sqrt_rad);
       field({"odometry_way_m_per_sqrt_m", "", NotNegative()}, &Robot::odometry_way_m_per_sqrt_m);

@@ -229,7 +229,7 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
                           landmarks,
                           {},
                           FitOf(built.problem, problem, end.point),
-                          FindClockShifts(problem, end.point, built.odometry)};
+                          FindSensorShifts(problem, end.point, built.odometry)};
   std::vector<bool> seen(landmarks.size(), false);
   for (const Sighting& sighting : problem.sightings) seen[static_cast<std::size_t>(sighting.landmark)] = true;
   for (std::size_t l = 0; l < landmarks.size(); ++l) {

@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "pipelines/landmark_map/landmarks/summary.h"
-#include "pipelines/landmark_map/refinement/clock_shift.h"
 #include "pipelines/landmark_map/refinement/model_fit.h"
 #include "pipelines/landmark_map/refinement/refine.h"
 #include "pipelines/landmark_map/refinement/refined_path.h"
 #include "pipelines/landmark_map/refinement/row_associations.h"
+#include "pipelines/landmark_map/refinement/sensor_shift.h"
 #include "schema/kinds/log.h"
 
 namespace cairn::landmark_map {
@@ -20,7 +20,7 @@ struct JointRefinement {
   std::vector<Landmark> landmarks;
   std::vector<RefinedPath> paths;  // of each robot
   ModelFit fit;
-  std::vector<ClockShift> clocks;  // of each robot
+  std::vector<SensorShift> sensors;  // of each robot
 };
 
 // Unknown are the poses at all observations of landmarks, the landmarks, and each robot's drift and scales

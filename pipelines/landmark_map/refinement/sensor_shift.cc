@@ -1,5 +1,6 @@
-#include "pipelines/landmark_map/refinement/clock_shift.h"
+#include "pipelines/landmark_map/refinement/sensor_shift.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -12,7 +13,8 @@
 namespace cairn::landmark_map {
 namespace {
 
-constexpr double kFirst_s = 0.1, kMost_s = 5.0;
+constexpr double kFirst_s = 0.1, kMost_s = 5.0, kFirst_rad = 0.01, kMost_rad = 0.5;
+constexpr int kSteps = 20;
 constexpr double kLeast_nats = 10.0, kLeastEach_nats = 0.02;  // to gain, in all and an observation
 constexpr std::size_t kMostSightings = 2000;                  // that many tell it as well as more
 
@@ -58,13 +60,21 @@ class Shifted {
     point_.errors = {point.errors[robot]};
   }
 
-  double Cost(double late_s) {
-    constexpr int kSteps = 20;
+  double CostOfLate(double late_s) {
     const Odometry later = Later(odometry_, late_s);
     NodeTrack& track = problem_.robots[0];
     for (std::size_t k = 0; k < track.controls.size(); ++k)
       track.controls[k] = ControlsBetween(later, track.time_s[k], track.time_s[k + 1]);
     return Descend(problem_, point_, kSteps).cost;
+  }
+  double CostOfTurned(double turned_rad) const {
+    LeastSquaresProblem turned = problem_;
+    for (Sighting& seen : turned.sightings) {
+      const Eigen::Vector2d place = Eigen::Rotation2Dd(-turned_rad) * Eigen::Vector2d(seen.x_m, seen.y_m);
+      seen.x_m = place.x();
+      seen.y_m = place.y();
+    }
+    return Descend(turned, point_, kSteps).cost;
   }
   double sightings() const { return static_cast<double>(problem_.sightings.size()); }
 
@@ -74,25 +84,30 @@ class Shifted {
   const Odometry& odometry_;
 };
 
-// Twice as far while that explains more, then halfway between.
-ClockShift FindShift(Shifted shifted) {
+struct Least {
+  double at = 0.0, gain_nats = 0.0;
+};
+
+// Where the cost is least: twice as far from 0 while that is less, then halfway between.
+template <class F>
+Least FindLeast(const F& cost, double first, double most) {
   constexpr int kHalvings = 3;
-  const double none = shifted.Cost(0.0);
-  double from = 0.0, at = kFirst_s, to, least = shifted.Cost(at);
-  if (least >= none) least = shifted.Cost(at = -kFirst_s);
+  const double none = cost(0.0);
+  double from = 0.0, at = first, to, least = cost(at);
+  if (least >= none) least = cost(at = -first);
   if (least >= none) return {};
-  for (to = 2.0 * at; std::abs(to) <= kMost_s; to *= 2.0) {
-    const double further = shifted.Cost(to);
+  for (to = 2.0 * at; std::abs(to) <= most; to *= 2.0) {
+    const double further = cost(to);
     if (further >= least) break;
     from = std::exchange(at, to);
     least = further;
   }
   for (int k = 0; k < kHalvings; ++k) {
     const double nearer = std::midpoint(from, at), further = std::midpoint(at, to);
-    if (const double there = shifted.Cost(nearer); there < least) {
+    if (const double there = cost(nearer); there < least) {
       to = std::exchange(at, nearer);
       least = there;
-    } else if (const double beyond = shifted.Cost(further); beyond < least) {
+    } else if (const double beyond = cost(further); beyond < least) {
       from = std::exchange(at, further);
       least = beyond;
     } else {
@@ -105,14 +120,21 @@ ClockShift FindShift(Shifted shifted) {
 
 }  // namespace
 
-std::vector<ClockShift> FindClockShifts(const LeastSquaresProblem& problem, const LeastSquaresPoint& point,
-                                        std::span<const Odometry> odometry) {
-  std::vector<ClockShift> shifts;
+std::vector<SensorShift> FindSensorShifts(const LeastSquaresProblem& problem, const LeastSquaresPoint& point,
+                                          std::span<const Odometry> odometry) {
+  std::vector<SensorShift> shifts;
   for (std::size_t r = 0; r < odometry.size(); ++r) {
-    const Shifted shifted(problem, point, odometry[r], r);
-    ClockShift shift = shifted.sightings() > 0 ? FindShift(shifted) : ClockShift{};
-    if (shift.gain_nats < std::max(kLeast_nats, kLeastEach_nats * shifted.sightings())) shift = {};
-    shifts.push_back(shift);
+    Shifted shifted(problem, point, odometry[r], r);
+    SensorShift& shift = shifts.emplace_back();
+    if (shifted.sightings() == 0) continue;
+    const double enough = std::max(kLeast_nats, kLeastEach_nats * shifted.sightings());
+    const Least turned =
+        FindLeast([&](double rad) { return shifted.CostOfTurned(rad); }, kFirst_rad, kMost_rad);
+    const Least late = FindLeast([&](double s) { return shifted.CostOfLate(s); }, kFirst_s, kMost_s);
+    // What explains more: the one may look like a little of the other.
+    if (std::max(turned.gain_nats, late.gain_nats) < enough) continue;
+    (late.gain_nats >= turned.gain_nats ? shift.late_s : shift.turned_rad) =
+        late.gain_nats >= turned.gain_nats ? late.at : turned.at;
   }
   return shifts;
 }

@@ -1,0 +1,25 @@
+// Whether a robot's observations have another clock than its odometry, or its sensor is turned against its
+// wheels: where the robot turns, or goes on, that shows.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "pipelines/common/odometry.h"
+#include "pipelines/landmark_map/refinement/least_squares.h"
+
+namespace cairn::landmark_map {
+
+// 0: nothing of the kind is found.
+struct SensorShift {
+  double late_s = 0.0;      // so much too late are its observations' times, by its odometry's
+  double turned_rad = 0.0;  // so much too large are their bearings
+};
+
+// Of each robot, among the landmarks that it sees, looked for around `point`, where the least squares ended,
+// to no more than ten seconds and half a radian, whichever explains more; of a large log in its first part.
+// `odometry`: of each robot, of which the problem's tracks are.
+std::vector<SensorShift> FindSensorShifts(const LeastSquaresProblem& problem, const LeastSquaresPoint& point,
+                                          std::span<const Odometry> odometry);
+
+}  // namespace cairn::landmark_map
