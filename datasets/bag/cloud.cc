@@ -46,10 +46,8 @@ class CloudReader : public TopicReader {
   std::size_t needed() const override { return 9; }
 
   void Take(const std::vector<Found>& found, const Message& message, TopicClock* clock) override {
-    const auto rows = static_cast<std::size_t>(FirstNumber(found[1]));
-    const auto columns = static_cast<std::size_t>(FirstNumber(found[2]));
-    const auto point_bytes = static_cast<std::size_t>(FirstNumber(found[6]));
-    const auto row_bytes = static_cast<std::size_t>(FirstNumber(found[7]));
+    const std::size_t rows = FirstCount(found[1]), columns = FirstCount(found[2]);
+    const std::size_t point_bytes = FirstCount(found[6]), row_bytes = FirstCount(found[7]);
     const ByteSpan data = found[8].bytes;
     if (FirstNumber(found[9]) != 0) throw LineError{"a cloud of big-endian points", ""};
     const std::array<Axis, 3> axes = {AxisOf("x", found), AxisOf("y", found), AxisOf("z", found)};
@@ -82,7 +80,7 @@ class CloudReader : public TopicReader {
     const auto i = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
     if (i < names.size() && i < found[4].numbers.size() && i < found[5].numbers.size() &&
         (found[5].numbers[i] == kFloat || found[5].numbers[i] == kDouble))
-      return {static_cast<std::size_t>(found[4].numbers[i]), found[5].numbers[i] == kDouble};
+      return {CountOf(found[4].numbers[i]), found[5].numbers[i] == kDouble};
     throw LineError{"a cloud without x, y and z", "as float32 or float64"};
   }
 

@@ -89,5 +89,24 @@ TEST_F(BagCloudTest, CloudsThatCannotBeUsedAreNamed) {
   ExpectContains(Refusal(messages), "a cloud without x, y and z");
 }
 
+TEST_F(BagCloudTest, PointsThatBeginBeforeTheirFirstByteAreRefused) {
+  auto messages = bag::SmallDrive(To::kRos1);
+  const auto cloud = [](std::int32_t offset) {
+    bag::Encoder out(To::kRos1);
+    out.Header(1001, "base_link").Put<std::uint32_t>(1).Put<std::uint32_t>(5).Put<std::uint32_t>(3);
+    for (const char* name : {"x", "y", "z"}) out.Text(name).Put(offset).Put<std::uint8_t>(7);
+    return out.Put<std::uint32_t>(0).Put<std::uint32_t>(0).Put<std::uint32_t>(4).Floats({}).text();
+  };
+  messages.push_back({"/points", "sensor_msgs/PointCloud2", 1001, cloud(-4),
+                      "std_msgs/Header header\nuint32 height\nuint32 width\nF[] fields\nuint32 "
+                      "point_step\nuint32 row_step\nuint8[] data\n" +
+                          std::string(80, '=') +
+                          "\nMSG: sensor_msgs/F\nstring name\nint32 offset\nuint8 datatype\n"});
+  Choose("0,1,10");
+  ExpectContains(Refusal(messages), "message 1 of /points: no number of elements or bytes: -4");
+  messages.back().bytes = cloud(0);
+  ExpectContains(Refusal(messages), "5 points of 0 bytes");
+}
+
 }  // namespace
 }  // namespace cairn::datasets

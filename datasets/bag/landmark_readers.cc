@@ -22,7 +22,10 @@ double NumberAt(const Found& found, std::size_t i) {
   return found.numbers[i];
 }
 
+// A definition may have two fields of one name: then what is found is of several kinds.
 std::string NameAt(const Found& id, std::size_t i) {
+  if (i >= (id.texts.empty() ? id.numbers.size() : id.texts.size()))
+    throw LineError{"markers without a number or a name each", ""};
   if (!id.texts.empty()) return Printable(std::string(id.texts[i]), 100);
   if (!(std::abs(id.numbers[i]) < 1e15))
     throw LineError{"no number of a marker", std::to_string(id.numbers[i])};
@@ -64,7 +67,7 @@ class MarkerReader : public TopicReader {
   }
   std::size_t needed() const override { return 6; }
   void Take(const std::vector<Found>& found, const Message& message, TopicClock* clock) override {
-    const auto count = static_cast<std::size_t>(FirstNumber(found[0]));
+    const std::size_t count = FirstCount(found[0]);
     if (count == 0) return;
     const Found& id = found[1];
     if (id.numbers.size() + id.texts.size() != count)
@@ -163,7 +166,8 @@ class LandmarkFieldsReader : public TopicReader {
   std::string NameIn(const std::vector<Found>& found, std::size_t i) const {
     if (!id_) return {};
     const Found& id = found[*id_];
-    std::string name = id.bytes.empty() ? NameAt(id, i) : std::to_string(std::to_integer<int>(id.bytes[i]));
+    std::string name =
+        i < id.bytes.size() ? std::to_string(std::to_integer<int>(id.bytes[i])) : NameAt(id, i);
     return MeansUnknown(name) ? std::string() : name;
   }
 
@@ -185,6 +189,10 @@ class TagReader : public TopicReader {
   std::size_t needed() const override { return 4; }
   void Take(const std::vector<Found>& found, const Message& message, TopicClock* clock) override {
     if (found[0].texts.empty()) return;
+    if (found[1].size() != found[0].texts.size())
+      throw LineError{"other numbers of one field than of another",
+                      std::to_string(found[0].texts.size()) + " of 'detections.family', " +
+                          std::to_string(found[1].size()) + " of 'detections.id'"};
     const auto time_s = clock->At(found[2].numbers, message.receive_ns);
     if (!time_s) return;
     for (std::size_t i = 0; i < found[0].texts.size(); ++i) {

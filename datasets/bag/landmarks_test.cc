@@ -154,5 +154,34 @@ TEST_F(BagLandmarksTest, FramesOfTfAreLandmarksByTheBeginningOfTheirNames) {
   EXPECT_NEAR(Column<double>("robot/0/observations/bearing_rad")[1], std::numbers::pi / 2, 1e-9);
 }
 
+TEST_F(BagLandmarksTest, TagsWithoutANumberEachAreABadMessage) {
+  auto messages = bag::SmallDrive(To::kRos1);
+  Encoder out(To::kRos1);
+  out.Header(1001, "camera").Put<std::uint32_t>(1).Put<std::uint32_t>(2).Text("a").Text("b");
+  out.Put<std::uint32_t>(0);
+  messages.push_back({"/tags", "apriltag_msgs/AprilTagDetectionArray", 1001, out.text(),
+                      "std_msgs/Header header\nT[] detections\n" + std::string(80, '=') +
+                          "\nMSG: apriltag_msgs/T\nstring[] family\nint32[] id\n"});
+  options_.landmarks = {"/tags"};
+  ExpectContains(
+      Refusal(messages),
+      "message 1 of /tags: other numbers of one field than of another: 2 of 'detections.family', 0 "
+      "of 'detections.id'");
+}
+
+TEST_F(BagLandmarksTest, TwoFieldsOfOneNameAreNoNames) {
+  auto messages = bag::SmallDrive(To::kRos1);
+  for (const char* second : {"int32 label", "uint8[1] label"}) {
+    Encoder out(To::kRos1);
+    out.Header(1001, "base_link").Text("a");
+    std::string(second).starts_with("int32") ? out.Put<std::int32_t>(7) : out.Put<std::uint8_t>(7);
+    messages.push_back({"/bumper", "acme_msgs/Bumper", 1001, out.text(),
+                        "std_msgs/Header header\nstring label\n" + std::string(second) + "\n"});
+    options_.landmarks = {"/bumper:contact,id=label"};
+    ExpectContains(Refusal(messages), "message 1 of /bumper: markers without a number or a name each");
+    messages.pop_back();
+  }
+}
+
 }  // namespace
 }  // namespace cairn::datasets

@@ -1,6 +1,7 @@
 // What is taken from the messages of one topic, by the kind of use.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -88,6 +89,13 @@ struct PoseRow {
 
 // 0, or nothing, where there is none.
 inline double FirstNumber(const Found& found) { return found.numbers.empty() ? 0 : found.numbers.front(); }
+// Throws LineError where a definition says that it may be of another kind, and it is.
+inline std::size_t CountOf(double number) {
+  if (!(number >= 0 && number < 4294967296.0 && number == std::floor(number)))
+    throw LineError{"no number of elements or bytes", std::to_string(number)};
+  return static_cast<std::size_t>(number);
+}
+inline std::size_t FirstCount(const Found& found) { return CountOf(FirstNumber(found)); }
 inline std::string FirstText(const Found& found) {
   return found.texts.empty() ? std::string() : std::string(found.texts.front());
 }
