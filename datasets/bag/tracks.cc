@@ -43,7 +43,7 @@ std::vector<TimedPose> TimedPosesOf(const std::vector<PoseRow>& rows) {
 
 // What two tracks say of the time that both cover, second by second.
 struct Course {
-  double way_m = 0, turn_rad = 0;
+  double way_m = 0, turn_rad = 0, turns_rad = 0;  // left less right; left and right together
   void Add(const Pose& from, const Pose& to) {
     way_m += DistanceM({from.x_m, from.y_m}, {to.x_m, to.y_m});
     turn_rad += WrapAngle(to.heading_rad - from.heading_rad);
@@ -93,7 +93,8 @@ std::vector<PoseRow> PosesOnMap(const FrameTree& frames, const std::string& robo
 }
 
 void CompareOdometries(const NamedTrack& one, const NamedTrack& other, ImportReport* report) {
-  constexpr double kStep_s = 1, kShare = 0.1, kLeast_m = 0.5, kLeast_rad = 0.2;
+  // By less than kTurning_rad in a step a heading may change that stands.
+  constexpr double kStep_s = 1, kShare = 0.1, kLeast_m = 0.5, kLeast_rad = 0.2, kTurning_rad = 0.05;
   const TrackInTime a(TimedPosesOf(one.poses)), b(TimedPosesOf(other.poses));
   if (a.poses().empty() || b.poses().empty()) return;
   Course of_a, of_b;
@@ -105,7 +106,13 @@ void CompareOdometries(const NamedTrack& one, const NamedTrack& other, ImportRep
     const auto now_b = b.At(pose.time_s);
     if (step_s < 2 * kStep_s && now_b && last_b) {
       covered_s += step_s;
-      turned_rad += std::abs(WrapAngle(pose.pose.heading_rad - last_a->heading_rad));
+      const double turn_a = std::abs(WrapAngle(pose.pose.heading_rad - last_a->heading_rad)),
+                   turn_b = std::abs(WrapAngle(now_b->heading_rad - last_b->heading_rad));
+      turned_rad += turn_a;
+      if (std::max(turn_a, turn_b) >= kTurning_rad) {
+        of_a.turns_rad += turn_a;
+        of_b.turns_rad += turn_b;
+      }
       of_a.Add(*last_a, pose.pose);
       of_b.Add(*last_b, *now_b);
     }
@@ -115,14 +122,18 @@ void CompareOdometries(const NamedTrack& one, const NamedTrack& other, ImportRep
   }
   const double apart_m = std::abs(of_a.way_m - of_b.way_m),
                apart_rad = std::abs(of_a.turn_rad - of_b.turn_rad);
-  if (apart_m <= kLeast_m + kShare * std::max(of_a.way_m, of_b.way_m) &&
-      apart_rad <= kLeast_rad + kShare * turned_rad)
-    return;
+  const bool same_turn = apart_rad <= kLeast_rad + kShare * turned_rad;
+  const bool same_turns = std::abs(of_a.turns_rad - of_b.turns_rad) <=
+                          kLeast_rad + kShare * std::max(of_a.turns_rad, of_b.turns_rad);
+  if (apart_m <= kLeast_m + kShare * std::max(of_a.way_m, of_b.way_m) && same_turn && same_turns) return;
+  const bool by_turns = same_turn && !same_turns;
   report->warnings.push_back(
       fmt::format("{} and {} contradict each other: in the {:.0f} s that both cover the one goes {:.1f} m "
                   "and turns by {:.2f} "
-                  "rad, the other {:.1f} m and {:.2f} rad; the log has the first",
-                  one.name, other.name, covered_s, of_a.way_m, of_a.turn_rad, of_b.way_m, of_b.turn_rad));
+                  "rad{}, the other {:.1f} m and {:.2f} rad; the log has the first",
+                  one.name, other.name, covered_s, of_a.way_m, by_turns ? of_a.turns_rad : of_a.turn_rad,
+                  by_turns ? " to the left and the right together" : "", of_b.way_m,
+                  by_turns ? of_b.turns_rad : of_b.turn_rad));
 }
 
 }  // namespace cairn::datasets::bag

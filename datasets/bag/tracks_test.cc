@@ -132,5 +132,26 @@ TEST_F(BagTracksTest, OdometriesThatContradictAreTold) {
   EXPECT_EQ(Import(messages).scans, 11);
 }
 
+TEST_F(BagTracksTest, TurnsToBothSidesAreHeldAgainstEachOther) {
+  // To the left for two seconds, to the right for two.
+  const auto heading = [](double since_s) { return 0.4 * std::abs(std::remainder(since_s, 4)); };
+  std::vector<BagMessage> messages;
+  const auto add = [&](const std::string& topic, double late_s, double factor) {
+    for (int i = 0; i <= 80; ++i) {
+      const double at = 1000 + late_s + 0.25 * i;
+      messages.push_back({topic, "nav_msgs/Odometry", at,
+                          bag::OdometryMessage(To::kRos1, at, 0.1 * i, factor * heading(0.25 * i))});
+    }
+  };
+  options_.odometry = "/odom";
+  add("/odom", 0, 1);
+  add("/late", 0.1, 1);
+  EXPECT_EQ(AllWarnings(Import(messages)).find("contradict"), std::string::npos);
+  add("/wide", 0, 0.5);
+  ExpectContains(AllWarnings(Import(messages)),
+                 "/odom and /wide contradict each other: in the 20 s that both cover the one goes 8.0 m and "
+                 "turns by 8.00 rad to the left and the right together, the other 8.0 m and 4.00 rad");
+}
+
 }  // namespace
 }  // namespace cairn::datasets
