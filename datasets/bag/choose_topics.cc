@@ -207,7 +207,7 @@ std::vector<std::string> NamespacesOfRobots(const std::vector<Topic>& topics) {
 }  // namespace
 
 std::string_view DefinitionOf(const Channel& channel) {
-  return channel.definition.empty() ? KnownDefinition(channel.type) : std::string_view(channel.definition);
+  return channel.definition.empty() ? KnownDefinition(channel.type) : channel.definition;
 }
 
 bool HasTopic(const std::vector<Topic>& topics, const std::string& name) {

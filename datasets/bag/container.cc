@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "datasets/bag/definition.h"
 #include "datasets/import/recognize.h"
 #include "schema/error.h"
 
@@ -14,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kZstd = "\x28\xB5\x2F\xFD";
-constexpr std::size_t kMostChannels = 10'000;
+constexpr std::size_t kMostChannels = 10'000, kMostKept = 64 << 20;
 
 std::string HeadOf(const std::string& path) {
   std::error_code error;
@@ -32,13 +33,31 @@ bool IsBagFile(const fs::path& path) {
 
 }  // namespace
 
+void Container::CountText(std::size_t bytes) {
+  text_bytes_ += bytes;
+  if (text_bytes_ > kMostKept)
+    throw InputError(path_ + ": names of topics and definitions of their types of more than 64 MiB in all");
+}
+
+std::string_view Container::Keep(std::string_view text) {
+  if (text.empty()) return {};
+  if (text.size() > kMostDefinitionBytes) throw InputError(path_ + ": a definition of more than a megabyte");
+  auto kept = texts_.find(text);
+  if (kept == texts_.end()) {
+    CountText(text.size());
+    kept = texts_.emplace(text).first;
+  }
+  return *kept;
+}
+
 std::size_t Container::FindOrAdd(Channel channel) {
   const auto found = std::ranges::find_if(channels_, [&](const Channel& other) {
     return other.topic == channel.topic && other.type == channel.type &&
-           other.definition == channel.definition && other.encoding == channel.encoding;
+           other.definition.data() == channel.definition.data() && other.encoding == channel.encoding;
   });
   if (found != channels_.end()) return static_cast<std::size_t>(found - channels_.begin());
   if (channels_.size() == kMostChannels) throw Damage{"more than 10,000 topics"};
+  CountText(channel.topic.size() + channel.type.size() + channel.encoding.size());
   channels_.push_back(std::move(channel));
   return channels_.size() - 1;
 }
@@ -50,6 +69,8 @@ void Container::Cover(std::int64_t first_ns, std::int64_t last_ns) {
 
 void Container::ForgetChannels() {
   channels_.clear();
+  texts_.clear();
+  text_bytes_ = 0;
   remarks_.clear();
   first_ns_ = std::numeric_limits<std::int64_t>::max();
   last_ns_ = std::numeric_limits<std::int64_t>::min();

@@ -6,7 +6,9 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,8 +21,8 @@ enum class Wire { kRos1, kCdr, kOther };
 
 // Messages of one topic and type; several publishers are one channel where their definitions are the same.
 struct Channel {
-  std::string topic, type;  // "nav_msgs/Odometry", of ROS 2 as well
-  std::string definition;   // the type's text; empty: the file has none
+  std::string topic, type;      // "nav_msgs/Odometry", of ROS 2 as well
+  std::string_view definition;  // the type's text, which the container keeps; empty: the file has none
   Wire wire = Wire::kOther;
   std::string encoding;  // its name, for people
   std::uint64_t messages = 0;
@@ -61,7 +63,10 @@ class Container {
   virtual void Read(const std::vector<bool>& wanted, const Take& take, const Broken& broken) = 0;
 
  protected:
-  std::size_t FindOrAdd(Channel channel);
+  // Throw InputError: a definition is of more than a megabyte, or all that is kept of names and definitions
+  // of more than 64. Of equal texts one is kept.
+  std::string_view Keep(std::string_view text);
+  std::size_t FindOrAdd(Channel channel);  // whose definition Keep gave
   void Count(std::size_t channel, std::uint64_t messages) { channels_[channel].messages += messages; }
   void Cover(std::int64_t first_ns, std::int64_t last_ns);
   // For a file that is read anew.
@@ -69,7 +74,10 @@ class Container {
   std::vector<std::string> remarks_;
 
  private:
+  void CountText(std::size_t bytes);
   std::string path_;
+  std::set<std::string, std::less<>> texts_;
+  std::size_t text_bytes_ = 0;
   std::vector<Channel> channels_;
   std::int64_t first_ns_ = std::numeric_limits<std::int64_t>::max();
   std::int64_t last_ns_ = std::numeric_limits<std::int64_t>::min();

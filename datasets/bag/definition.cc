@@ -14,7 +14,7 @@
 namespace cairn::datasets::bag {
 namespace {
 
-constexpr std::size_t kMostTextBytes = 1 << 20, kMostTypes = 1000, kMostFields = 10'000;
+constexpr std::size_t kMostTypes = 1000, kMostFields = 10'000;
 
 struct BaseName {
   std::string_view name;
@@ -74,7 +74,7 @@ std::string_view CutWord(std::string_view* text) {
 class Parser {
  public:
   Parser(const std::string& type, std::string_view text) {
-    if (text.size() > kMostTextBytes) throw Damage{"a definition of more than a megabyte"};
+    if (text.size() > kMostDefinitionBytes) throw Damage{"a definition of more than a megabyte"};
     Split(type, text);
     Resolve(type);
   }

@@ -48,6 +48,8 @@ struct Definition {
   std::vector<Type> types;  // the message's own first
 };
 
+constexpr std::size_t kMostDefinitionBytes = 1 << 20;
+
 // Of a message of `type`. Throws Damage (bytes.h): a line that is none of a definition's, a type that the
 // text does not define, one that holds itself, more than 1 MiB of text, 1,000 types or 10,000 fields.
 Definition ParseDefinition(const std::string& type, std::string_view text);

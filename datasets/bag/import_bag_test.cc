@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "datasets/bag/container.h"
 #include "datasets/bag/testing_import.h"
 
 namespace cairn::datasets {
@@ -185,6 +186,33 @@ TEST_F(ImportBagTest, CovariancesThatGrowWithTheWayAreTheHeadingsNoise) {
   const ImportReport report = Import(messages);
   EXPECT_FALSE(log_.Has("noise/heading_walk_rad_per_sqrt_m"));
   ExpectContains(report.warnings.front(), "are of no heading");
+}
+
+TEST_F(ImportBagTest, OfADefinitionOneTextIsKept) {
+  auto messages = bag::SmallDrive(To::kCdr);
+  messages.push_back({"/odometry/filtered", "nav_msgs/Odometry", 1001, messages[0].bytes});
+  for (const std::string& bytes : {bag::McapBytes(messages), bag::Ros1Bytes(messages)}) {
+    const auto file = bag::OpenContainer(folder_.Put("two", bytes));
+    ASSERT_EQ(file->channels().size(), 3U);
+    EXPECT_GT(file->channels()[2].definition.size(), 100U);
+    EXPECT_EQ(file->channels()[0].definition.data(), file->channels()[2].definition.data());
+  }
+}
+
+TEST_F(ImportBagTest, DefinitionsAreBounded) {
+  auto messages = bag::SmallDrive(To::kCdr);
+  const auto pack = [&] { return bag::McapBytes(messages, "zstd", bag::McapForm::kWithoutIndex); };
+  const auto note = [](std::size_t i, std::size_t bytes) {
+    const std::string topic = "/note" + std::to_string(i);
+    return BagMessage{topic, "a/Note", 1002, "", "#" + topic + std::string(bytes, 'a') + "\n"};
+  };
+  messages.push_back(note(0, 1'000'000));
+  EXPECT_EQ(Import(pack()).scans, 11);
+  messages.push_back(note(1, 1'100'000));
+  ExpectContains(Refusal(pack()), "drive.bag: a definition of more than a megabyte");
+  messages.pop_back();
+  for (std::size_t i = 1; i < 70; ++i) messages.push_back(note(i, 1'000'000));
+  ExpectContains(Refusal(pack()), "definitions of their types of more than 64 MiB in all");
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ struct Look {
 
 std::unique_ptr<bag::MessageReader> FrameReader(const bag::Channel& channel) {
   const std::string_view text =
-      channel.definition.empty() ? bag::KnownDefinition(channel.type) : std::string_view(channel.definition);
+      channel.definition.empty() ? bag::KnownDefinition(channel.type) : channel.definition;
   if (text.empty() || channel.wire == bag::Wire::kOther) return nullptr;
   return std::make_unique<bag::MessageReader>(
       bag::ParseDefinition(channel.type, text), channel.wire,

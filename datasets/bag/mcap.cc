@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint64_t kRecordHead = 9;
 
 struct Schema {
-  std::string name, encoding, text;
+  std::string_view name, text;  // that are kept; of another encoding than ROS has no text
 };
 
 struct McapChunk {
@@ -144,9 +144,9 @@ class Mcap : public Container {
     const auto id = in.Take<std::uint16_t>();
     if (op == kMcapSchema) {
       Schema& schema = schemas_[id];
-      schema.name = in.Text();
-      schema.encoding = in.Text();
-      schema.text = in.Text();
+      schema.name = Keep(AsText(in.Block()));
+      const std::string_view encoding = AsText(in.Block()), text = AsText(in.Block());
+      schema.text = encoding == "ros1msg" || encoding == "ros2msg" ? Keep(text) : std::string_view();
       return;
     }
     if (ids_.contains(id)) return;
@@ -158,9 +158,8 @@ class Mcap : public Container {
                    : channel.encoding == "ros1" ? Wire::kRos1
                                                 : Wire::kOther;
     if (schema != schemas_.end()) {
-      channel.type = TypeName(schema->second.name);
-      if (schema->second.encoding == "ros1msg" || schema->second.encoding == "ros2msg")
-        channel.definition = schema->second.text;
+      channel.type = TypeName(std::string(schema->second.name));
+      channel.definition = schema->second.text;
     }
     ids_[id] = FindOrAdd(std::move(channel));
   }

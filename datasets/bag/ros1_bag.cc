@@ -184,7 +184,7 @@ class Ros1Bag : public Container {
     Channel channel;
     channel.topic = std::move(topic);
     channel.type = fields.Text("type");
-    channel.definition = fields.Text("message_definition");
+    channel.definition = Keep(fields.Text("message_definition"));
     channel.wire = Wire::kRos1;
     channel.encoding = "ros1";
     if (connections_.size() == kMostConnections) throw Damage{"more than 100,000 connections"};

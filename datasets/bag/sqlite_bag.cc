@@ -149,12 +149,13 @@ class SqliteBag : public Container {
   }
 
   void ReadTopics() {
-    std::map<std::string, std::string> definitions;
+    std::map<std::string, std::string_view> definitions;
     if (HasTable("message_definitions")) {
       const Query query =
           Prepare("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions");
       while (Next(query.get()))
-        if (TextOf(query.get(), 1) == "ros2msg") definitions[TextOf(query.get(), 0)] = TextOf(query.get(), 2);
+        if (TextOf(query.get(), 1) == "ros2msg")
+          definitions[TextOf(query.get(), 0)] = Keep(TextOf(query.get(), 2));
     }
     const Query query = Prepare("SELECT id, name, type, serialization_format FROM topics");
     while (Next(query.get())) {
