@@ -172,13 +172,6 @@ class TopicChoice {
   const AddReader& add_;
 };
 
-// "robot1" of "/robot1/odom"; empty where it is in no namespace.
-std::string NamespaceOf(std::string_view topic) {
-  if (topic.starts_with('/')) topic.remove_prefix(1);
-  const std::size_t slash = topic.find('/');
-  return slash == std::string_view::npos ? std::string() : std::string(topic.substr(0, slash));
-}
-
 std::string InNamespace(const std::string& robot, const std::string& name) {
   return "/" + robot + (name.starts_with('/') ? "" : "/") + name;
 }

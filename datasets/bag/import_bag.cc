@@ -82,6 +82,7 @@ class BagImport {
   void Gather() {
     bags_ = OpenBags(options_.files);
     topics_ = bag::TopicsOf(bags_);
+    if (topics_.empty()) RefuseWithoutTopics();
     SetClock();
     if (!options_.cloud.empty()) FindMounts();
     ChooseTopics();
@@ -92,6 +93,13 @@ class BagImport {
       robot.mounts = options_.mounts;
       robot.path = bags_.size() == 1 ? bags_.front()->path() : options_.files.front() + " and others";
     }
+  }
+
+  // What is wrong with the files is said before what could be chosen of them.
+  [[noreturn]] void RefuseWithoutTopics() {
+    for (const auto& one : bags_) ReadBag(one.get());
+    CheckSkipped();
+    throw InputError(options_.files.front() + ": there is no topic in it");
   }
 
   // Where a cloud's sensor sits must be known before its points are looked at: poses and frames are read
@@ -114,6 +122,8 @@ class BagImport {
     const auto time = [&](double given_s) { return given_s < kLeastTime_s ? first_s + given_s : given_s; };
     if (options_.from_s) clock_.from_s = time(*options_.from_s);
     if (options_.until_s) clock_.until_s = time(*options_.until_s);
+    if (clock_.from_s > clock_.until_s)
+      throw InputError("--from is later than --until: there is no time between them");
   }
 
   void Add(const Topic& topic, std::unique_ptr<bag::TopicReader> reader) {

@@ -215,5 +215,11 @@ TEST_F(ImportBagTest, DefinitionsAreBounded) {
   ExpectContains(Refusal(pack()), "definitions of their types of more than 64 MiB in all");
 }
 
+TEST_F(ImportBagTest, NothingIsBetweenATimeAndAnEarlierOne) {
+  options_.from_s = 3;
+  options_.until_s = 1;
+  ExpectContains(Refusal(bag::SmallDrive(To::kRos1)), "--from is later than --until");
+}
+
 }  // namespace
 }  // namespace cairn::datasets

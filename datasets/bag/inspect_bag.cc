@@ -132,7 +132,8 @@ std::string BagText(const BagInspection& inspection) {
     text += topic.as.empty() ? "; not used\n" : "; as " + topic.as + "\n";
   }
   for (const std::string& remark : inspection.remarks) text += "  " + remark + "\n";
-  return inspection.command.empty() ? text : text + "try: " + inspection.command + "\n";
+  const bool has_command = !inspection.command.empty() && !inspection.topics.empty();
+  return !has_command ? text : text + "try: " + inspection.command + "\n";
 }
 
 }  // namespace cairn::datasets

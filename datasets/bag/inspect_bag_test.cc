@@ -44,6 +44,10 @@ TEST(InspectBag, SaysWhatIsWrong) {
   ASSERT_EQ(bag.remarks.size(), 2U) << bag.remarks.front();
   ExpectContains(bag.remarks[0], "the file ends within it");
   ExpectContains(bag.remarks[1], "no summary");
+  BagInspection none = InspectBag(folder.Put("none.mcap", whole.substr(0, 200)));
+  none.command = "cairn import bag";
+  EXPECT_EQ(none.topics.size(), 0U);
+  EXPECT_EQ(BagText(none).find("try:"), std::string::npos);
 }
 
 }  // namespace

@@ -128,5 +128,24 @@ TEST_F(BagRobotsTest, FramesInTfThatAllShareAreToldApartByTheirNames) {
   EXPECT_EQ(Column<double>("robot/1/laser/beam_x_m")[0], 2);
 }
 
+TEST_F(BagRobotsTest, WhereNamespacesMayBeRobotsThatIsSaid) {
+  auto messages = TwoDrives();
+  std::erase_if(messages, [](const BagMessage& message) { return message.topic.ends_with("/scan"); });
+  ExpectContains(Refusal(messages), "if these are several robots: --robots anna,bob");
+  options_.robots = "anna,bob";
+  EXPECT_EQ(Import(messages).robots, 2);
+  options_.robots.clear();
+  messages.push_back({"/anna/ekf", "nav_msgs/Odometry", 1001, messages[0].bytes});
+  EXPECT_EQ(Refusal(messages).find("--robots"), std::string::npos) << "two of one robot";
+}
+
+TEST_F(BagRobotsTest, ThatAFileIsCutIsSaidBeforeThatItHasNoSuchRobot) {
+  options_.robots = "anna";
+  const std::string whole = bag::McapBytes(TwoDrives(), "zstd");
+  ExpectContains(Refusal(whole.substr(0, 200)), "the file ends within it");
+  options_.robots.clear();
+  ExpectContains(Refusal(bag::McapBytes({})), "there is no topic in it");
+}
+
 }  // namespace
 }  // namespace cairn::datasets

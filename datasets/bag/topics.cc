@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "schema/error.h"
@@ -64,7 +65,27 @@ bool IsOf(const Topic& topic, const std::vector<Use>& uses) {
   return uses.empty() || (topic.use != nullptr && std::ranges::find(uses, topic.use->use) != uses.end());
 }
 
+// Where each of those that tell where a robot is lies in a namespace of its own.
+std::string RobotsHint(const std::vector<Topic>& topics, Use use) {
+  if (use != Use::kOdometry && use != Use::kJoints) return {};
+  std::set<std::string> names;
+  std::string list;
+  for (const Topic& topic : topics) {
+    if (!IsOf(topic, {use}) || topic.messages == 0) continue;
+    const std::string name = NamespaceOf(topic.name);
+    if (name.empty() || !names.insert(name).second) return {};
+    list += (list.empty() ? "" : ",") + name;
+  }
+  return "; if these are several robots: --robots " + Printable(list, 200);
+}
+
 }  // namespace
+
+std::string NamespaceOf(std::string_view topic) {
+  if (topic.starts_with('/')) topic.remove_prefix(1);
+  const std::size_t slash = topic.find('/');
+  return slash == std::string_view::npos ? std::string() : std::string(topic.substr(0, slash));
+}
 
 std::vector<std::string> AtCommas(const std::string& text) {
   std::vector<std::string> parts;
@@ -134,7 +155,8 @@ const Topic* OnlyTopic(const std::vector<Topic>& topics, Use use, const std::str
   for (const Topic& topic : topics) {
     if (!IsOf(topic, {use}) || topic.messages == 0) continue;
     if (only != nullptr)
-      throw InputError("which topic? " + option + " TOPIC chooses one of: " + TopicList(topics, {use}));
+      throw InputError("which topic? " + option + " TOPIC chooses one of: " + TopicList(topics, {use}) +
+                       RobotsHint(topics, use));
     only = &topic;
   }
   return only;

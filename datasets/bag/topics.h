@@ -49,6 +49,8 @@ const Topic& FindTopic(const std::vector<Topic>& topics, const std::string& name
 // The only topic of `use` that has messages; nothing where there is none. Throws InputError where there are
 // several: `option` chooses.
 const Topic* OnlyTopic(const std::vector<Topic>& topics, Use use, const std::string& option);
+// "robot1" of "/robot1/odom"; empty where it is in no namespace.
+std::string NamespaceOf(std::string_view topic);
 // "a,b" as "a" and "b".
 std::vector<std::string> AtCommas(const std::string& text);
 // "'targets.x', …": those of `names` that are most like `name`.

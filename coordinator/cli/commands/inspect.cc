@@ -126,7 +126,8 @@ std::string BagJson(const std::string& file, const datasets::BagInspection& bag)
     if (topic.gap_s) one["gap_s"] = *topic.gap_s;
     json["topics"].push_back(std::move(one));
   }
-  json["commands"] = {bag.command};
+  json["commands"] = nlohmann::ordered_json::array();
+  if (!bag.topics.empty()) json["commands"].push_back(bag.command);
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
