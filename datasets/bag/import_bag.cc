@@ -161,6 +161,7 @@ class BagImport {
   // Readers of a file's channels; of those that are not wanted none.
   std::vector<ChannelInHand> ReadersOf(const bag::Container& file) {
     std::vector<ChannelInHand> readers;
+    std::size_t fields = 0;
     for (const bag::Channel& channel : file.channels()) {
       ChannelInHand& reader = readers.emplace_back();
       const auto topic = std::ranges::find_if(in_hand_, [&](const TopicInHand& one) {
@@ -169,6 +170,7 @@ class BagImport {
       if (topic == in_hand_.end()) continue;
       try {
         reader.reader = ReaderOf(channel, *topic->reader);
+        reader.reader->CountFields(file.path(), &fields);
         reader.topic = &*topic;
       } catch (const bag::Damage& damage) {
         if (topic->reader->is_aside()) continue;

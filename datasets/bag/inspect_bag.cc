@@ -63,6 +63,7 @@ void LookAt(const bag::Message& message, Look* look, std::set<std::string>* rema
 void LookThrough(bag::Container* file, std::vector<BagTopic>* topics, std::set<std::string>* remarks) {
   std::vector<Look> looks;
   std::vector<bool> wanted;
+  std::size_t fields = 0;
   for (const bag::Channel& channel : file->channels()) {
     Look& look = looks.emplace_back();
     const auto topic = std::ranges::find_if(
@@ -73,7 +74,9 @@ void LookThrough(bag::Container* file, std::vector<BagTopic>* topics, std::set<s
     if (!wanted.back()) continue;
     try {
       look.reader = FrameReader(channel);
-      if (look.reader == nullptr)
+      if (look.reader != nullptr)
+        look.reader->CountFields(file->path(), &fields);
+      else
         remarks->insert(channel.topic + ": the file does not say what its messages are made of");
     } catch (const bag::Damage& damage) {
       remarks->insert(channel.topic + ": " + damage.what);

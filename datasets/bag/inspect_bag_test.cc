@@ -1,5 +1,6 @@
 #include "datasets/bag/inspect_bag.h"
 
+#include "datasets/bag/import_bag.h"
 #include "datasets/bag/testing_bag.h"
 #include "datasets/testing.h"
 
@@ -48,6 +49,25 @@ TEST(InspectBag, SaysWhatIsWrong) {
   none.command = "cairn import bag";
   EXPECT_EQ(none.topics.size(), 0U);
   EXPECT_EQ(BagText(none).find("try:"), std::string::npos);
+}
+
+TEST(InspectBag, FieldsOfAllTopicsAreBounded) {
+  const TestFolder folder;
+  std::string text = bag::DefinitionText("nav_msgs/Odometry", false);
+  std::string many;
+  for (int i = 0; i < 9000; ++i) many += "bool a" + std::to_string(i) + "\n";
+  std::vector<bag::BagMessage> messages;
+  for (int i = 0; i < 230; ++i)
+    messages.push_back({"/odom" + std::to_string(i), "nav_msgs/Odometry", 1000, "", many + text});
+  const std::string path =
+      folder.Put("many.mcap", bag::McapBytes(messages, "zstd", bag::McapForm::kWithoutIndex));
+  const std::string why = "many.mcap: topics of more than 2,000,000 fields, counted in all types";
+  ExpectContains(InputErrorOf([&] { InspectBag(path); }), why);
+  Blob log;
+  BagImportOptions options;
+  options.files = {path};
+  options.odometry = "/odom0";
+  ExpectContains(InputErrorOf([&] { ImportBag(options, &log); }), why);
 }
 
 }  // namespace

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <bit>
 
+#include "schema/error.h"
+
 namespace cairn::datasets::bag {
 namespace {
 
-constexpr std::size_t kMostSteps = 20'000;
+constexpr std::size_t kMostSteps = 20'000, kMostStepsOfFile = 2'000'000;
 
 template <class T>
 T Load(const std::byte* at, bool swaps) {
@@ -64,6 +66,12 @@ MessageReader::MessageReader(const Definition& definition, Wire wire, const std:
     Step step = Compile(definition, field, field.name, paths);
     if (!IsEmpty(step)) root_.fields.push_back(std::move(step));
   }
+}
+
+void MessageReader::CountFields(const std::string& file, std::size_t* fields) const {
+  *fields += steps_;
+  if (*fields > kMostStepsOfFile)
+    throw InputError(file + ": topics of more than 2,000,000 fields, counted in all types");
 }
 
 MessageReader::Step MessageReader::Compile(const Definition& definition, const Field& field,

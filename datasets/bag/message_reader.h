@@ -27,6 +27,9 @@ class MessageReader {
   MessageReader(const Definition& definition, Wire wire, const std::vector<std::string>& paths);
   // Whether the definition has such a field, of a type that `Found` has a place for.
   bool Has(std::size_t path) const { return has_[path]; }
+  // Adds how many fields it has, counted in all types, to those of a file's other readers. Throws InputError:
+  // they are more than 2,000,000 together.
+  void CountFields(const std::string& file, std::size_t* fields) const;
   // What it has at each path, valid until the next message, as are the bytes. Throws Damage: it is shorter or
   // longer than its definition says. Takes time in proportion to the message.
   const std::vector<Found>& Read(ByteSpan message);
