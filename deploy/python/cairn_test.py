@@ -168,6 +168,59 @@ class PackageTest(unittest.TestCase):
             f["a"] = h5py.ExternalLink("log.h5", "robots")
         self.assertEqual(len(cairn.read("linked.h5")), 0)
 
+    def hostile(self, name: str, kind: str = "log", **attributes) -> h5py.File:
+        f = h5py.File(name, "w")
+        f.attrs["cairn_format"], f.attrs["cairn_kind"] = 1, kind
+        for attribute, value in attributes.items():
+            f.attrs[attribute] = value
+        return f
+
+    def test_whatever_a_file_holds_is_refused_in_one_way(self) -> None:
+        self.hostile("trailer.h5", cairn_trailer=[1, 2]).close()
+        self.refused("trailer.h5: not a Cairn file: its root attributes", cairn.read, "trailer.h5")
+        with self.hostile("hostile.h5") as f:
+            f["robots"] = [1, 2]
+            f["robots"].attrs["scalar"] = [1, 1]
+            f["robots"].attrs["unit"] = ["m", "s"]
+            f["none"] = h5py.Empty("f8")
+            f["latin"] = np.array([b"\xff\xfe"])
+            f["pair"] = np.zeros(2, [("a", "f8")])
+            f["no_number"] = np.zeros(0)
+            f["no_number"].attrs["scalar"] = 1
+            f.create_dataset("lists", (2,), h5py.vlen_dtype("i4"))
+            f.create_dataset("references", (2,), h5py.ref_dtype)
+            f.create_dataset("huge", (1 << 34,), "f8", chunks=(1 << 20,), compression="gzip")
+            f["long"] = ["x" * (1 << 20)] + [""] * 4096
+        with cairn.read("hostile.h5") as file:
+            self.assertEqual(len(file), 9)
+            for name in file:
+                self.refused(f"hostile.h5: damaged: '{name}' cannot be read: ", file.__getitem__, name)
+            for call, name in ((file.shape, "robots"), (file.unit, "robots"), (file.shape, "none")):
+                self.refused(f"hostile.h5: damaged: '{name}' cannot be read: ", call, name)
+            self.refused("hostile.h5: damaged: ", str, file)
+            self.refused("hostile.h5: damaged: ", lambda: file.robots)
+        with self.hostile("shapes.h5") as f:
+            f["robots"], f["robot/0/odometry/time_s"] = ["ann"], [1.0, 2.0]
+            f["robot/0/odometry/turn_rad"], f["robot/0/odometry/forward_m"] = [1.0, 2.0], [1.0, 2.0, 3.0]
+            f["map/grid/probability"] = 0.5
+        with cairn.read("shapes.h5") as file:
+            self.refused("shapes.h5: damaged: 'robot/0/odometry'", file.odometry)
+            if matplotlib is not None:
+                matplotlib.use("agg")
+                self.refused("shapes.h5: cannot be drawn", file.plot)
+
+    def test_what_a_stranger_wrote_is_printed_escaped(self) -> None:
+        with self.hostile("escapes.h5", "log\x1b[31m\n\u202e") as f:
+            f["a\x1b[2J"] = 1.0
+            f["a\x1b[2J"].attrs["unit"] = "m\x1b[0m"
+            f["b\x1b[2J"] = h5py.Empty("f8")
+        with cairn.read("escapes.h5") as file:
+            self.refused(r"'b\\x1b\[2J' cannot be read", file.__getitem__, "b\x1b[2J")
+            self.assertEqual(repr(file), r"<cairn.File 'escapes.h5': log\x1b[31m\n\u202e, 2 arrays>")
+        with h5py.File("escapes.h5", "r+") as f:
+            del f["b\x1b[2J"]
+        self.assertEqual(str(cairn.read("escapes.h5")), "escapes.h5: log\\x1b[31m\\n\\u202e\n  a\\x1b[2J [] m\\x1b[0m")
+
     def test_a_folder_of_several_results(self) -> None:
         os.makedirs("two", exist_ok=True)
         self.copy("two/a.h5"), self.copy("two/b.h5")

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import difflib
+import math
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -20,7 +22,24 @@ if TYPE_CHECKING:
 
 _FORMAT = 1  # the newest that is known
 _GIVEN = ("log", "poses", "samples", "errors")  # kinds that people make, and may change
+_MOST_BYTES, _MOST_PACKED = 2 << 30, 100  # as of the program: what is larger, and so many times its file, is none of ours
 _Column = npt.NDArray[np.float64]
+
+
+def _escaped(text: object) -> str:
+    """What a stranger wrote, without what a terminal would obey."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(text))
+
+
+@contextmanager
+def _as_input(what: str) -> Iterator[None]:
+    """Whatever h5py and numpy make of what a stranger's file holds is InputError."""
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:
+        raise InputError(f"{_escaped(what)}: {_escaped(error)}") from None
 
 
 class Poses(NamedTuple):
@@ -48,13 +67,14 @@ class File(Mapping[str, Any]):
         self._file = file
         self._names: dict[str, None] = {}
         self._read: dict[str, Any] = {}
-        file.visititems(self._add)  # follows no links to elsewhere
+        with _as_input(f"{path}: damaged: what is in it cannot be told"):
+            file.visititems(self._add)  # follows no links to elsewhere
 
     def _add(self, name: str, item: Any) -> None:
         if not isinstance(item, h5py.Dataset):
             return
         if item.external or item.is_virtual:
-            raise InputError(f"{self.path}: the data of '{name}' lie in another file")
+            raise InputError(f"{self.path}: the data of '{_escaped(name)}' lie in another file")
         self._names[name] = None
 
     def _dataset(self, name: str) -> h5py.Dataset:
@@ -64,16 +84,18 @@ class File(Mapping[str, Any]):
             raise KeyError(f"there is no '{name}' in {self.path}{meant}")
         if not self._file:
             raise InputError(f"{self.path}: it was closed before '{name}' was read")
-        return self._file[name]
+        with self._reading(name):
+            return self._file[name]
+
+    def _reading(self, name: str) -> AbstractContextManager[None]:
+        return _as_input(f"{self.path}: damaged: '{name}' cannot be read")
 
     def __getitem__(self, name: str) -> Any:
         if name not in self._read:
             dataset = self._dataset(name)
-            try:
-                value = dataset[()]
-            except OSError as error:
-                raise InputError(f"{self.path}: damaged: '{name}' cannot be read: {error}") from None
-            self._read[name] = _plain(value, bool(dataset.attrs.get("scalar", 0)))
+            with self._reading(name):
+                _check_form(dataset)
+                self._read[name] = _plain(dataset[()], bool(dataset.attrs.get("scalar", 0)))
         return self._read[name]
 
     def __contains__(self, name: object) -> bool:
@@ -88,12 +110,17 @@ class File(Mapping[str, Any]):
     def shape(self, name: str) -> tuple[int, ...]:
         """Of an array, without reading it; () of one that is a number or a text alone."""
         dataset = self._dataset(name)
-        return () if dataset.attrs.get("scalar", 0) else tuple(dataset.shape)
+        with self._reading(name):
+            return () if dataset.attrs.get("scalar", 0) else tuple(dataset.shape)
 
     def unit(self, name: str) -> str:
         """"m", "rad/m", …; "1" of what has none."""
-        unit = self._dataset(name).attrs.get("unit", "1")
-        return unit.decode() if isinstance(unit, bytes) else str(unit)
+        dataset = self._dataset(name)
+        with self._reading(name):
+            unit = dataset.attrs.get("unit", "1")
+            if not isinstance(unit, (bytes, str)):
+                raise TypeError("its unit is no text")
+            return unit.decode() if isinstance(unit, bytes) else unit
 
     def under(self, prefix: str) -> dict[str, Any]:
         """The arrays of a group, by what their names have behind `prefix/`."""
@@ -103,7 +130,8 @@ class File(Mapping[str, Any]):
     @property
     def robots(self) -> list[str]:
         """Their names, in order: robot N is the Nth, from 0."""
-        return [str(name) for name in self["robots"]] if "robots" in self else []
+        with self._reading("robots"):
+            return [str(name) for name in self["robots"]] if "robots" in self else []
 
     def _group(self, robot: int | str) -> str:
         """robot/N"""
@@ -127,16 +155,18 @@ class File(Mapping[str, Any]):
     def odometry(self, robot: int | str = 0) -> Poses:
         """Where a log's odometry alone leads a robot from (0, 0): its pose at the end of each control."""
         controls = f"{self._group(robot)}/odometry"
-        heading: _Column = np.cumsum(self[f"{controls}/turn_rad"])
-        forward = self[f"{controls}/forward_m"]
-        x, y = np.cumsum(forward * np.cos(heading)), np.cumsum(forward * np.sin(heading))
-        return Poses(self[f"{controls}/time_s"], x, y, np.arctan2(np.sin(heading), np.cos(heading)))
+        time, turn, forward = (self[f"{controls}/{name}"] for name in ("time_s", "turn_rad", "forward_m"))
+        with self._reading(controls):
+            heading: _Column = np.cumsum(turn)
+            x, y = np.cumsum(forward * np.cos(heading)), np.cumsum(forward * np.sin(heading))
+            return Poses(time, x, y, np.arctan2(np.sin(heading), np.cos(heading)))
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draws what there is of a map, landmarks and paths, by matplotlib; into a figure of its own without `ax`."""
         from .picture import draw
 
-        return draw(self, ax)
+        with _as_input(f"{self.path}: cannot be drawn"):
+            return draw(self, ax)
 
     def close(self) -> None:
         self._file.close()
@@ -148,7 +178,7 @@ class File(Mapping[str, Any]):
         self.close()
 
     def __repr__(self) -> str:
-        return f"<cairn.File {str(self.path)!r}: {self.kind}, {len(self)} arrays>"
+        return f"<cairn.File {str(self.path)!r}: {_escaped(self.kind)}, {len(self)} arrays>"
 
     def __str__(self) -> str:
         lines = [f"{self.path}: {self.kind}"]
@@ -156,7 +186,17 @@ class File(Mapping[str, Any]):
             unit = self.unit(name)
             shape = ", ".join(str(n) for n in self.shape(name))
             lines.append(f"  {name} [{shape}]" + (f" {unit}" if unit != "1" else ""))
-        return "\n".join(lines)
+        return "\n".join(map(_escaped, lines))
+
+
+def _check_form(dataset: h5py.Dataset) -> None:
+    """Before any of it is read."""
+    kind = dataset.dtype.kind
+    if dataset.shape is None or kind not in "biufSO" or (kind == "O" and h5py.check_string_dtype(dataset.dtype) is None):
+        raise TypeError("it holds neither numbers nor texts")
+    size = math.prod(dataset.shape) * dataset.dtype.itemsize
+    if size > max(_MOST_BYTES, _MOST_PACKED * dataset.file.id.get_filesize()):
+        raise ValueError(f"it would take {size} bytes, far more than its file")
 
 
 def _plain(value: Any, scalar: bool) -> Any:
@@ -164,7 +204,10 @@ def _plain(value: Any, scalar: bool) -> Any:
         return value.decode()
     if isinstance(value, np.ndarray):
         if value.dtype.kind in "SO":  # texts, of fixed width or, as h5py writes them, of none
-            value = np.array([text.decode() for text in value.flat], np.str_).reshape(value.shape)
+            texts = [text.decode() for text in value.flat]
+            if 4 * max(map(len, texts), default=0) * len(texts) > _MOST_BYTES:  # each takes as much as the longest
+                raise ValueError("its texts are too long")
+            value = np.array(texts, np.str_).reshape(value.shape)
         if scalar:
             return value.flat[0] if value.dtype.kind != "U" else str(value.flat[0])
         value.flags.writeable = False
@@ -174,7 +217,7 @@ def _plain(value: Any, scalar: bool) -> Any:
 def _result_in(folder: Path) -> Path:
     results = sorted(folder.glob("*.h5"))
     if len(results) != 1:
-        named = ", ".join(path.name for path in results) or "none"
+        named = ", ".join(_escaped(path.name) for path in results) or "none"
         raise InputError(f"which file of '{folder}'? It has {named}")
     return results[0]
 
@@ -197,13 +240,12 @@ def read(path: str | os.PathLike[str], *, changed: bool = False) -> File:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if right is False:
         raise InputError(f"{path}: damaged: its bytes are not those that were written")
-    try:
+    with _as_input(f"{path}: no HDF5 file, or a damaged one"):
         file = h5py.File(path, "r")
-    except OSError as error:
-        raise InputError(f"{path}: no HDF5 file, or a damaged one: {error}") from None
     try:
-        kind = _kind_of(path, file.attrs)
-        was_changed = right is None and file.attrs.get("cairn_trailer", 0) == 1
+        with _as_input(f"{path}: not a Cairn file: its root attributes are not as they should be"):
+            kind = _kind_of(path, file.attrs)
+            was_changed = right is None and bool(file.attrs.get("cairn_trailer", 0) == 1)
         if was_changed and not changed and kind not in _GIVEN:
             raise InputError(
                 f"{path}: another program has changed it since Cairn wrote it, so it is not what Cairn computed; "
