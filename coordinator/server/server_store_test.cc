@@ -175,6 +175,31 @@ TEST(CheckStore, TakesNothingBackThroughALinkNorTwoOfOneNumber) {
   EXPECT_EQ(CheckStore(*fixture.folder, results, true).orphaned, std::vector<std::string>{"3-museum"});
 }
 
+TEST(CheckStore, TakesNothingBackOfANumberThatLeavesNoneForOthers) {
+  namespace fs = std::filesystem;
+  ServerFixture fixture;
+  fixture.transport.ComeWorker("w");
+  fixture.Submit("3-museum");
+  fixture.Until([&] { return fixture.State("3-museum") == "done"; });
+  const fs::path results = fixture.temp.path() / "results";
+  fixture.server.reset();
+  fs::remove_all(fixture.folder->Checkpoints() / "3-museum");
+  const std::string most = "9007199254740992-x";
+  for (const std::string& copy :
+       {most, std::string("9007199254740993-x"), std::string("9223372036854775807-x"),
+        std::string("9223372036854775808-x"), std::string("18446744073709551617-x")})
+    fs::copy(results / "3-museum", results / copy);
+  const StoreFindings found = CheckStore(*fixture.folder, results, true);
+  EXPECT_EQ(found.orphaned, (std::vector<std::string>{"3-museum", most}));
+  EXPECT_EQ(found.unclaimed, (std::vector<std::string>{"18446744073709551617-x", "9223372036854775808-x"}));
+  ASSERT_EQ(found.damaged.size(), 2u);
+  EXPECT_EQ(
+      found.damaged[1],
+      "results/9223372036854775807-x would be a job of a number above 9007199254740992, which no service "
+      "gave, and would leave none for the jobs after it: rename it");
+  EXPECT_FALSE(fs::exists(fixture.folder->Checkpoints() / "9223372036854775807-x"));
+}
+
 TEST(CheckStore, NamesWhatIsDamagedAndTouchesNothing) {
   ServerFixture fixture;
   fixture.transport.ComeWorker("w");

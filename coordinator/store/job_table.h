@@ -16,8 +16,10 @@ struct sqlite3;
 
 namespace cairn::coordinator {
 
-// What the id of a job begins with: 7 of `7-museum`; 0: no number.
+// What the id of a job begins with: 7 of `7-museum`; 0: no number, or one that no table can hold.
 std::uint64_t NumberOfJob(const std::string& id);
+// Of what is taken back as a job: jobs after it need numbers too, and JSON's readers know none above exactly.
+inline constexpr std::uint64_t kMostJobNumber = std::uint64_t{1} << 53;
 
 // For one thread.
 class JobTable {

@@ -245,6 +245,12 @@ StoreFindings CheckStore(const StoreFolder& folder, const fs::path& results, boo
   }
   for (const proto::Checkpoint& record : records) {
     const std::string& job = record.job_id();
+    if (NumberOfJob(job) > kMostJobNumber) {
+      found.damaged.push_back(
+          "results/" + job + " would be a job of a number above " + std::to_string(kMostJobNumber) +
+          ", which no service gave, and would leave none for the jobs after it: rename it");
+      continue;
+    }
     std::vector<std::string> others = of_number[NumberOfJob(job)];
     std::erase(others, job);
     if (!others.empty()) {
