@@ -50,9 +50,9 @@ HttpRequest HeadOf(MHD_Connection* connection, const char* path, const char* met
 }
 
 MHD_Result TakePart(void* upload, MHD_ValueKind, const char* field, const char* file, const char*,
-                    const char*, const char* data, std::uint64_t, std::size_t size) {
+                    const char*, const char* data, std::uint64_t at, std::size_t size) {
   try {
-    static_cast<HttpUpload*>(upload)->Take(field == nullptr ? "" : field, file == nullptr ? "" : file,
+    static_cast<HttpUpload*>(upload)->Take(field == nullptr ? "" : field, file == nullptr ? "" : file, at,
                                            {data, size});
     return MHD_YES;
   } catch (...) {  // out of memory; the connection goes
@@ -241,8 +241,11 @@ MHD_Result HttpServer::Impl::Come(MHD_Connection* connection, Exchange& exchange
                                   std::size_t size) {
   exchange.came += size;
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - exchange.began;
-  if (took.count() > limits.silent_s && static_cast<double>(exchange.came) < took.count() * limits.slowest)
-    return MHD_NO;
+  const auto too_slow = [&](unsigned patience_s, unsigned slowest) {
+    return took.count() > patience_s && static_cast<double>(exchange.came) < took.count() * slowest;
+  };
+  if (too_slow(limits.silent_s, limits.slowest)) return MHD_NO;
+  if (exchange.parts != nullptr && too_slow(limits.upload_patience_s, limits.upload_slowest)) return MHD_NO;
   if (exchange.came > (exchange.parts != nullptr ? limits.upload_bytes : limits.body_bytes)) return MHD_NO;
   Touch(connection);
   if (exchange.parts != nullptr) return MHD_post_process(exchange.parts, data, size);

@@ -27,8 +27,10 @@ namespace cairn::coordinator {
 class HttpUpload {
  public:
   virtual ~HttpUpload() = default;
-  // A part of a field's value; `file` is what the file of it was called, by a stranger.
-  virtual void Take(const std::string& field, const std::string& file, std::string_view bytes) = 0;
+  // A part of a field's value, which begins `at` bytes behind its begin; `file` is what the file of it was
+  // called, by a stranger.
+  virtual void Take(const std::string& field, const std::string& file, std::uint64_t at,
+                    std::string_view bytes) = 0;
 };
 
 struct HttpRequest {
@@ -74,13 +76,15 @@ using HttpHandler = std::function<void(const HttpRequest&, const std::shared_ptr
 using HttpUploads = std::function<std::variant<std::shared_ptr<HttpUpload>, HttpAnswer>(const HttpRequest&)>;
 
 struct HttpLimits {
-  unsigned connections = 16;        // of more at a time the oldest goes that is no stream
-  unsigned streams = 0;             // of more a request is answered with 503
-  unsigned silent_s = 10;           // then a connection goes, unless an answer is awaited
-  std::size_t head_bytes = 16'384;  // of a request
-  std::size_t body_bytes = 0;       // of more a request is answered with 413
-  std::uint64_t upload_bytes = 0;   // the same of an upload, before it comes; one that says less breaks off
-  unsigned slowest = 1000;          // bytes a second, of a body that has been coming for `silent_s`
+  unsigned connections = 16;         // of more at a time the oldest goes that is no stream
+  unsigned streams = 0;              // of more a request is answered with 503
+  unsigned silent_s = 10;            // then a connection goes, unless an answer is awaited
+  std::size_t head_bytes = 16'384;   // of a request
+  std::size_t body_bytes = 0;        // of more a request is answered with 413
+  std::uint64_t upload_bytes = 0;    // the same of an upload, before it comes; one that says less breaks off
+  unsigned slowest = 1000;           // bytes a second, of a body that has been coming for `silent_s`
+  unsigned upload_patience_s = 60;   // from then on, of an upload:
+  unsigned upload_slowest = 64'000;  // bytes a second, on average since it began
 };
 
 class HttpServer {

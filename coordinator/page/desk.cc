@@ -45,7 +45,7 @@ Upload::~Upload() {
   if (!kept_) Drop();
   if (fd_ >= 0) ::close(fd_);
   const std::lock_guard lock(desk_->mutex_);
-  if (is_counted_) --desk_->uploads_;
+  if (is_counted_) desk_->uploads_.erase(std::ranges::find(desk_->uploads_, whose_));
 }
 
 // What is left of it goes; what still comes is not kept.
@@ -63,8 +63,13 @@ void Upload::Open(const std::string& called) {
   if (fd_ < 0) trouble_ = "It cannot be kept here: " + std::string(std::strerror(errno)) + ".";
 }
 
-void Upload::Take(const std::string& field, const std::string& file, std::string_view bytes) {
-  if (field != "file" || !trouble_.empty()) return;
+void Upload::Take(const std::string& field, const std::string& file, std::uint64_t at,
+                  std::string_view bytes) {
+  if (field != "file" || !trouble_.empty() || bytes.empty()) return;
+  if (at != bytes_) {
+    trouble_ = "Several files came as one: bring each on its own.";
+    return Drop();
+  }
   if (fd_ < 0 && !file.empty()) Open(file);
   if (fd_ < 0) return;
   if (!desk_->Grow(bytes.size())) {
@@ -110,8 +115,10 @@ void Desk::Shrink(std::uint64_t bytes) {
   bytes_ -= bytes;
 }
 
-std::string Desk::WhyNoRoom(std::uint64_t announced) const {
-  if (uploads_ >= kMostUploads) return "Other uploads are under way: try again soon.";
+std::string Desk::WhyNoRoom(std::uint64_t announced, const std::string& whose) const {
+  if (uploads_.size() >= kMostUploads) return "Other uploads are under way: try again soon.";
+  if (std::ranges::count(uploads_, whose) >= std::ptrdiff_t{kMostUploadsOfOne})
+    return "Other uploads of yours are under way: try again when they have ended.";
   if (files_.size() >= kMostFiles) return "There are many files here already: remove one that is not needed.";
   if (announced > options_.most_bytes - bytes_) return NoRoom(options_.most_bytes);
   std::error_code error;
@@ -121,11 +128,11 @@ std::string Desk::WhyNoRoom(std::uint64_t announced) const {
   return "";
 }
 
-std::shared_ptr<Upload> Desk::Begin(std::uint64_t announced) {
+std::shared_ptr<Upload> Desk::Begin(std::uint64_t announced, const std::string& whose) {
   const std::lock_guard lock(mutex_);
-  const std::string why = WhyNoRoom(announced);
-  if (why.empty()) ++uploads_;
-  return std::make_shared<Upload>(this, folder_.path() / "files" / std::to_string(++numbers_), why);
+  const std::string why = WhyNoRoom(announced, whose);
+  if (why.empty()) uploads_.push_back(whose);
+  return std::make_shared<Upload>(this, folder_.path() / "files" / std::to_string(++numbers_), whose, why);
 }
 
 void Desk::Keep(const std::shared_ptr<Upload>& upload,

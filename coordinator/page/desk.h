@@ -57,15 +57,17 @@ class Desk;
 // the same, and is not kept: a browser hears why only when it has sent all.
 class Upload : public coordinator::HttpUpload {
  public:
-  Upload(Desk* desk, std::filesystem::path folder, std::string trouble)
+  Upload(Desk* desk, std::filesystem::path folder, std::string whose, std::string trouble)
       : desk_(desk),
         folder_(std::move(folder)),
+        whose_(std::move(whose)),
         trouble_(std::move(trouble)),
         is_counted_(trouble_.empty()) {}
   ~Upload() override;
   Upload(const Upload&) = delete;
   Upload& operator=(const Upload&) = delete;
-  void Take(const std::string& field, const std::string& file, std::string_view bytes) override;
+  void Take(const std::string& field, const std::string& file, std::uint64_t at,
+            std::string_view bytes) override;
 
  private:
   friend class Desk;
@@ -74,6 +76,7 @@ class Upload : public coordinator::HttpUpload {
 
   Desk* desk_;
   std::filesystem::path folder_;
+  const std::string whose_;
   std::string name_, trouble_;
   const bool is_counted_;
   std::uint64_t bytes_ = 0;
@@ -83,15 +86,15 @@ class Upload : public coordinator::HttpUpload {
 
 class Desk {
  public:
-  static constexpr std::size_t kMostFiles = 32, kMostUploads = 4;
+  static constexpr std::size_t kMostFiles = 32, kMostUploads = 4, kMostUploadsOfOne = 2;
   using Said = std::function<void(const Helper::Outcome&)>;
 
   explicit Desk(DeskOptions options);
   ~Desk();
 
   std::uint64_t most_bytes() const { return options_.most_bytes; }
-  // `announced`: bytes, as whoever sends it says.
-  std::shared_ptr<Upload> Begin(std::uint64_t announced);
+  // `announced`: bytes, as whoever sends it says. `whose`: which session's.
+  std::shared_ptr<Upload> Begin(std::uint64_t announced, const std::string& whose);
   // Of an upload that has come whole: its number, once it was looked at; 0 with the reason where it is none.
   void Keep(const std::shared_ptr<Upload>& upload,
             std::function<void(std::uint64_t, const std::string&)> then);
@@ -109,8 +112,8 @@ class Desk {
 
  private:
   friend class Upload;
-  std::string WhyNoRoom(std::uint64_t announced) const;  // empty: there is
-  bool Grow(std::uint64_t bytes);                        // false: there is no room
+  std::string WhyNoRoom(std::uint64_t announced, const std::string& whose) const;  // empty: there is
+  bool Grow(std::uint64_t bytes);                                                  // false: there is no room
   void Shrink(std::uint64_t bytes);
   void LookAt(const BroughtFile& file);
   std::string PathOf(std::uint64_t number);
@@ -125,7 +128,7 @@ class Desk {
   std::vector<BroughtFile> files_;
   nlohmann::json pipelines_ = nullptr;
   std::uint64_t numbers_ = 0, bytes_ = 0;
-  std::size_t uploads_ = 0;
+  std::vector<std::string> uploads_;  // whose, of each that is under way
 
   Errands planning_{32}, submitting_{32};  // the last to begin, the first to end
 };

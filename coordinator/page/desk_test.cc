@@ -29,8 +29,8 @@ class DeskTest : public ::testing::Test {
     return kept.get_future().get();
   }
   std::uint64_t Bring(const std::string& name, const std::string& bytes) {
-    const auto upload = desk_->Begin(bytes.size());
-    upload->Take("file", name, bytes);
+    const auto upload = desk_->Begin(bytes.size(), "ann");
+    upload->Take("file", name, 0, bytes);
     return Keep(upload).first;
   }
   Helper::Outcome Submit(const JobOrder& order) {
@@ -54,9 +54,11 @@ constexpr const char* kSaysLog = "echo '{\"kind\": \"log\", \"facts\": {\"robot 
 
 TEST_F(DeskTest, AFileIsKeptPieceByPieceAndLookedAtByAnotherProcess) {
   Make(std::string("cat \"$4\" >>\"$BASE/seen\"; ") + kSaysLog);
-  const auto upload = desk_->Begin(0);
-  upload->Take("token", "", "no file");
-  for (const char* piece : {"one, ", "two, ", "three"}) upload->Take("file", "hall.h5", piece);
+  const auto upload = desk_->Begin(0, "ann");
+  upload->Take("token", "", 0, "no file");
+  upload->Take("file", "hall.h5", 0, "one, ");
+  upload->Take("file", "hall.h5", 5, "two, ");
+  upload->Take("file", "hall.h5", 10, "three");
   const auto [number, trouble] = Keep(upload);
   EXPECT_EQ(trouble, "");
   EXPECT_EQ(script_.Said("seen"), "one, two, three");
@@ -94,8 +96,8 @@ TEST_F(DeskTest, WhatANameWasElsewhereLeadsNowhereHere) {
 TEST_F(DeskTest, AnUploadThatBreaksOffLeavesNothing) {
   Make(kSaysLog);
   for (int i = 0; i < 100; ++i) {
-    const auto upload = desk_->Begin(900);
-    upload->Take("file", "hall.h5", std::string(800, 'x'));
+    const auto upload = desk_->Begin(900, "ann");
+    upload->Take("file", "hall.h5", 0, std::string(800, 'x'));
     EXPECT_EQ(FilesOnDisk(), 1u);
   }
   EXPECT_EQ(FilesOnDisk(), 0u);
@@ -105,10 +107,10 @@ TEST_F(DeskTest, AnUploadThatBreaksOffLeavesNothing) {
 
 TEST_F(DeskTest, AnUploadThatIsTooLargeIsToldSoAndNotKept) {
   Make(kSaysLog);
-  const auto announced = desk_->Begin(1001), grows = desk_->Begin(0);
-  announced->Take("file", "a.h5", "x");
+  const auto announced = desk_->Begin(1001, "ann"), grows = desk_->Begin(0, "ann");
+  announced->Take("file", "a.h5", 0, "x");
   EXPECT_EQ(FilesOnDisk(), 0u);
-  for (int i = 0; i < 100; ++i) grows->Take("file", "b.h5", std::string(100, 'x'));
+  for (std::uint64_t i = 0; i < 100; ++i) grows->Take("file", "b.h5", i * 100, std::string(100, 'x'));
   EXPECT_EQ(FilesOnDisk(), 0u) << "what came of it is gone before it has ended";
   for (const auto& upload : {announced, grows}) {
     const auto [number, trouble] = Keep(upload);
@@ -119,19 +121,34 @@ TEST_F(DeskTest, AnUploadThatIsTooLargeIsToldSoAndNotKept) {
   EXPECT_EQ(Bring("d.h5", std::string(600, 'x')), 0u) << "it is of all together";
   desk_->Remove(desk_->Files()[0].number);
   EXPECT_NE(Bring("d.h5", std::string(600, 'x')), 0u);
-  EXPECT_EQ(Keep(desk_->Begin(0)).second, "No file was chosen, or it is empty.");
+  EXPECT_EQ(Keep(desk_->Begin(0, "ann")).second, "No file was chosen, or it is empty.");
 }
 
 TEST_F(DeskTest, FewUploadsAtATimeAndFewFiles) {
   Make(kSaysLog);
   std::vector<std::shared_ptr<Upload>> uploads;
-  for (std::size_t i = 0; i < Desk::kMostUploads; ++i) uploads.push_back(desk_->Begin(1));
-  const auto more = desk_->Begin(1);
-  more->Take("file", "a.h5", "x");
+  for (std::size_t i = 0; i < Desk::kMostUploads; ++i)
+    uploads.push_back(desk_->Begin(1, i % 2 == 0 ? "bob" : "ann"));
+  const auto more = desk_->Begin(1, "cid");
+  more->Take("file", "a.h5", 0, "x");
   EXPECT_NE(Keep(more).second.find("Other uploads"), std::string::npos);
   uploads.pop_back();
   for (std::size_t i = 0; i < Desk::kMostFiles; ++i) EXPECT_NE(Bring("a.h5", "x"), 0u) << i;
   EXPECT_EQ(Bring("a.h5", "x"), 0u);
+}
+
+TEST_F(DeskTest, OneSessionHasNotAllUploads) {
+  Make(kSaysLog);
+  std::vector<std::shared_ptr<Upload>> uploads;
+  for (std::size_t i = 0; i < Desk::kMostUploadsOfOne; ++i) uploads.push_back(desk_->Begin(1, "slow"));
+  const auto more = desk_->Begin(1, "slow");
+  more->Take("file", "a.h5", 0, "x");
+  EXPECT_NE(Keep(more).second.find("of yours"), std::string::npos);
+  EXPECT_NE(Bring("a.h5", "x"), 0u) << "another's";
+  uploads.pop_back();
+  const auto next = desk_->Begin(1, "slow");
+  next->Take("file", "a.h5", 0, "x");
+  EXPECT_NE(Keep(next).first, 0u);
 }
 
 TEST_F(DeskTest, OfAFileThatIsNoneTheReasonIsKept) {

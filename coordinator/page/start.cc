@@ -26,27 +26,29 @@ std::string Sentenced(const std::string& said) {
   return "<div class=\"advice bad\"><p><b>" + Text(said) + "</b></p></div>\n";
 }
 
+std::string NameIn(const Json& of_pipeline) {
+  return of_pipeline.is_object() ? of_pipeline.value("name", "") : "";
+}
+
 const Json* PipelineCalled(const Json& pipelines, const std::string& name) {
   for (const Json& pipeline : pipelines)
-    if (pipeline.is_object() && pipeline.value("name", "") == name) return &pipeline;
+    if (NameIn(pipeline) == name) return &pipeline;
   return nullptr;
 }
 
-// Options that are empty are left out, as are those that the pipeline has not: nothing that a form says is a
-// word of a command but in its own place.
-JobOrder OrderOf(const HttpRequest& request, const BroughtFile& file, const std::string& pipeline) {
-  std::map<std::string, std::string> values = FormValues(request.body);
-  JobOrder order{.pipeline = pipeline, .name = values["name"], .file = file.number};
+// Options and inputs that are empty are left out, as are those that the pipeline has not: nothing that a form
+// says is a word of a command but in its own place, and a name with a '=' would be more than a name.
+JobOrder OrderOf(std::map<std::string, std::string> values, const BroughtFile& file, const Json& pipeline) {
+  JobOrder order{.pipeline = NameIn(pipeline), .name = values["name"], .file = file.number};
   order.seed = values["seed"];
   order.priority = values["priority"] == "0" ? "" : values["priority"];
   order.units_are_right = !values["units_are_right"].empty();
-  for (const auto& [name, value] : values) {
-    const std::string setting = "set.", input = "input.";
-    if (value.empty()) continue;
-    if (name.starts_with(setting)) order.settings[name.substr(setting.size())] = value;
-    std::uint64_t number = 0;
-    if (name.starts_with(input) && ToNumber(value, &number)) order.inputs[name.substr(input.size())] = number;
-  }
+  for (const Json& option : ListIn(pipeline, "options"))
+    if (const std::string& value = values["set." + NameIn(option)]; !value.empty())
+      order.settings[NameIn(option)] = value;
+  for (const Json& input : ListIn(pipeline, "inputs"))
+    if (std::uint64_t number = 0; ToNumber(values["input." + NameIn(input)], &number))
+      order.inputs[NameIn(input)] = number;
   return order;
 }
 
@@ -99,7 +101,7 @@ void StartPages::Get(const std::string& path, const std::string& token, const Re
 std::shared_ptr<coordinator::HttpUpload> StartPages::Begin(const HttpRequest& request) {
   std::uint64_t announced = 0;
   if (!ToNumber(request.Header("content-length"), &announced)) announced = 0;
-  return desk_->Begin(announced);
+  return desk_->Begin(announced, request.Query("token"));  // which is right, and each session has its own
 }
 
 void StartPages::Post(const HttpRequest& request, const std::string& token, const Reply& reply) {
@@ -119,16 +121,17 @@ void StartPages::Post(const HttpRequest& request, const std::string& token, cons
     desk_->Remove(place.file.number);
     return reply->Send(GoTo("/new"));
   }
-  AnswerOrder(place, OrderOf(request, place.file, place.what), FormValues(request.body)["do"], token, reply);
+  AnswerOrder(place, FormValues(request.body), token, reply);
 }
 
-void StartPages::AnswerOrder(const Place& place, JobOrder order, const std::string& action,
+void StartPages::AnswerOrder(const Place& place, std::map<std::string, std::string> values,
                              const std::string& token, const Reply& reply) {
-  desk_->Pipelines([self = shared_from_this(), place, order = std::move(order), action, token, reply](
+  desk_->Pipelines([self = shared_from_this(), place, values = std::move(values), token, reply](
                        const Json& pipelines, const std::string& trouble) {
     const Json* pipeline = PipelineCalled(pipelines, place.what);
     if (pipeline == nullptr)
       return reply->Send(trouble.empty() ? NotHere() : self->FilesPage(500, token, trouble));
+    const JobOrder order = OrderOf(values, place.file, *pipeline);
     const auto again = [self, place, order, token, reply, form = *pipeline](unsigned code,
                                                                             const std::string& said) {
       const StartContext context{self->desk_->Files(), self->desk_->most_bytes(), token};
@@ -137,7 +140,7 @@ void StartPages::AnswerOrder(const Place& place, JobOrder order, const std::stri
     const auto failed = [again](const Helper::Outcome& said) {
       again(said.bad_input ? 400 : 502, Sentenced(said.trouble));
     };
-    if (action == "submit")
+    if (const auto action = values.find("do"); action != values.end() && action->second == "submit")
       return self->desk_->Submit(order, [reply, failed](const Helper::Outcome& said) {
         const Json job = Json::parse(said.printed, nullptr, false);
         const std::string id = job.is_object() ? job.value("id", "") : "";

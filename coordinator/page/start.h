@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -30,7 +31,7 @@ class StartPages : public std::enable_shared_from_this<StartPages> {
   // Of "/new/3/landmark_map"; kind and file are looked up.
   bool Find(const std::string& path, Place* place);
   coordinator::HttpAnswer FilesPage(unsigned code, const std::string& token, const std::string& trouble);
-  void AnswerOrder(const Place& place, JobOrder order, const std::string& action, const std::string& token,
+  void AnswerOrder(const Place& place, std::map<std::string, std::string> values, const std::string& token,
                    const Reply& reply);
   coordinator::HttpAnswer PageOf(unsigned code, const std::string& title, const std::string& main) const;
 

@@ -22,12 +22,6 @@ std::string TextIn(const Json& json, const char* name) {
   return value->is_string() ? value->get<std::string>() : value->dump();
 }
 
-const Json& ListIn(const Json& json, const char* name) {
-  static const Json kNone = Json::array();
-  const auto value = json.is_object() ? json.find(name) : json.end();
-  return json.is_object() && value != json.end() && value->is_structured() ? *value : kNone;
-}
-
 std::string TroubleHtml(const std::string& text) {
   return text.empty() ? "" : "<div class=\"advice bad\"><p>" + Text(text) + "</p></div>\n";
 }
@@ -216,6 +210,12 @@ std::string JobFields(const JobOrder& order) {
 }
 
 }  // namespace
+
+const Json& ListIn(const Json& json, const char* name) {
+  static const Json kNone = Json::array();
+  const auto value = json.is_object() ? json.find(name) : json.end();
+  return json.is_object() && value != json.end() && value->is_structured() ? *value : kNone;
+}
 
 std::string AddressOf(const BroughtFile& file) { return "/new/" + std::to_string(file.number); }
 

@@ -29,6 +29,8 @@ std::string OrderHtml(const StartContext& context, const BroughtFile& file, cons
 // What a job would take, as `cairn run --dry-run --json` says it.
 std::string PlanHtml(const nlohmann::json& plan);
 
+// What `json` has by that name; empty where that is no list.
+const nlohmann::json& ListIn(const nlohmann::json& json, const char* name);
 // "/new/3"
 std::string AddressOf(const BroughtFile& file);
 
