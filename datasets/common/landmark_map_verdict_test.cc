@@ -400,33 +400,6 @@ TEST(LandmarkMapVerdict, DataThatNoPathExplainsAreLow) {
   EXPECT_EQ(LandmarkMapVerdict(map).trust, Confidence::kNone);
 }
 
-// A robot of 1 m/s: a tenth of a second is a tenth of a metre.
-TEST(LandmarkMapVerdict, TwoClocksThatDifferAreSaid) {
-  Blob map = FittedMap(200, 0, 0, 0);
-  for (const char* name : {"time_s", "x_m"})
-    map.PutVector<double>(std::string("robot/0/poses/") + name, {0, 50, 100});
-  for (const char* name : {"y_m", "heading_rad"})
-    map.PutVector<double>(std::string("robot/0/poses/") + name, {0, 0, 0});
-  for (const double late_s : {0.05, 0.8, -0.8}) {
-    map.PutScalar("robot/0/observations_late_s", late_s);
-    const Verdict verdict = LandmarkMapVerdict(map);
-    EXPECT_EQ(verdict.trust, std::abs(late_s) > 0.1 ? Confidence::kFair : Confidence::kHigh) << late_s;
-    EXPECT_NE(verdict.why.find(late_s > 0 ? "s earlier: are" : "s later: are"), std::string::npos);
-  }
-}
-
-TEST(LandmarkMapVerdict, ASensorThatIsTurnedIsSaid) {
-  Blob map = FittedMap(200, 0, 0, 0);
-  for (const double turned_rad : {0.02, 0.1, -0.1}) {
-    map.PutScalar("robot/0/bearings_turned_rad", turned_rad);
-    const Verdict verdict = LandmarkMapVerdict(map);
-    EXPECT_EQ(verdict.trust, std::abs(turned_rad) > 0.05 ? Confidence::kFair : Confidence::kHigh);
-    EXPECT_NE(verdict.why.find(turned_rad > 0 ? "degrees smaller: is" : "degrees larger: is"),
-              std::string::npos)
-        << verdict.why;
-  }
-}
-
 TEST(LandmarkMapVerdict, AVagueMapIsNotHigh) {
   const auto spread = [](double sd_m, double extent_m = 10) {
     Blob map = FittedMap(200, 0, 0, 0);
@@ -463,45 +436,6 @@ TEST(LandmarkMapVerdict, OneLandmarkThatMostMisfitsAreOfIsNamed) {
     EXPECT_EQ(text.find("does it move?"), std::string::npos) << text;
     EXPECT_NE(text.find("is the sensor's mount right?"), std::string::npos) << text;
   }
-}
-
-// Ranges in another unit than odometry, or one of both not calibrated: everything fits, in a wrong scale.
-TEST(LandmarkMapVerdict, OdometryOfAnotherScaleThanTheRangesIsNamed) {
-  const auto scaled = [](double distances, double turns) {
-    Blob map = FittedMap(200, 0, 0, 0);
-    map.PutScalar<double>("robot/0/distance_scale", distances);
-    map.PutScalar<double>("robot/0/turn_scale", turns);
-    return LandmarkMapVerdict(map);
-  };
-  EXPECT_EQ(scaled(1.05, 0.98).trust, Confidence::kHigh);
-  for (const double off : {1 / 1.1, 1.1}) EXPECT_EQ(scaled(off, 1).trust, Confidence::kFair);
-  for (const double off : {0.75, 1.4}) {
-    EXPECT_EQ(scaled(off, 1).trust, Confidence::kLow);
-    EXPECT_EQ(scaled(1, off).trust, Confidence::kFair) << "of turns the observations tell enough";
-  }
-  const Verdict far = scaled(1.4, 1.02);
-  EXPECT_NE(far.why.find("has travelled 1.40 times as far by its ranges as by its odometry"),
-            std::string::npos)
-      << far.why;
-  EXPECT_NE(scaled(1, 0.8).why.find("has turned 0.80 times as far"), std::string::npos);
-}
-
-// With named landmarks a factor on the ranges of one robot makes offsets of both.
-TEST(LandmarkMapVerdict, ConstantErrorsOfRangesAreADoubtWhereThereAreSeveralRobots) {
-  Blob map = FittedMap(200, 0, 0, 0);
-  map.PutScalar<double>("robot/0/range_offset_m", -0.1);
-  EXPECT_EQ(LandmarkMapVerdict(map).trust, Confidence::kHigh);
-  map.Put("robots", Array::Texts({"robot", "other"}));
-  map.PutVector<std::int32_t>("robot/1/observations/map_landmark", {});
-  EXPECT_EQ(LandmarkMapVerdict(map).trust, Confidence::kFair);
-}
-
-TEST(LandmarkMapVerdict, ConstantErrorsOfRangesAreSaid) {
-  Blob map = FittedMap(200, 0, 0, 0);
-  map.PutScalar<double>("robot/0/range_offset_m", -0.25);
-  EXPECT_EQ(
-      TextOf(map),
-      "high: 200 observations fit the map; the ranges of robot are 0.25 m too short, which was taken off");
 }
 
 TEST(LandmarkMapVerdict, SaysWhatItsLandmarksDoNotExplain) {

@@ -1,0 +1,95 @@
+#include "datasets/common/calibration_doubts.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "datasets/common/landmark_map_verdict.h"
+
+namespace cairn::datasets {
+namespace {
+
+// A map whose landmarks have names, and whose verdict is high.
+Blob WellFitted() {
+  kinds::LandmarkMap map;
+  map.robots = std::vector<std::string>{"robot"};
+  map.robot.resize(1);
+  map.robot[0].map_landmark = std::vector<std::int32_t>(200, 0);
+  map.map.landmark_identity = std::vector<std::int32_t>{0};
+  map.fit.observations = 200;
+  map.fit.misfits = 0;
+  map.fit.longest_run = 0;
+  return BlobOf(map);
+}
+
+// A robot of 1 m/s: a tenth of a second is a tenth of a metre.
+TEST(CalibrationDoubts, TwoClocksThatDifferAreSaid) {
+  Blob map = WellFitted();
+  for (const char* name : {"time_s", "x_m"})
+    map.PutVector<double>(std::string("robot/0/poses/") + name, {0, 50, 100});
+  for (const char* name : {"y_m", "heading_rad"})
+    map.PutVector<double>(std::string("robot/0/poses/") + name, {0, 0, 0});
+  for (const double late_s : {0.05, 0.8, -0.8}) {
+    map.PutScalar("robot/0/observations_late_s", late_s);
+    const Verdict verdict = LandmarkMapVerdict(map);
+    EXPECT_EQ(verdict.trust, std::abs(late_s) > 0.1 ? Confidence::kFair : Confidence::kHigh) << late_s;
+    EXPECT_NE(verdict.why.find(late_s > 0 ? "s earlier: are" : "s later: are"), std::string::npos);
+  }
+}
+
+TEST(CalibrationDoubts, ASensorThatIsTurnedIsSaid) {
+  Blob map = WellFitted();
+  for (const double turned_rad : {0.02, 0.1, -0.1}) {
+    map.PutScalar("robot/0/bearings_turned_rad", turned_rad);
+    const Verdict verdict = LandmarkMapVerdict(map);
+    EXPECT_EQ(verdict.trust, std::abs(turned_rad) > 0.05 ? Confidence::kFair : Confidence::kHigh);
+    EXPECT_NE(verdict.why.find(turned_rad > 0 ? "degrees smaller: is" : "degrees larger: is"),
+              std::string::npos)
+        << verdict.why;
+  }
+}
+
+// Ranges in another unit than odometry, or one of both not calibrated: everything fits, in a wrong scale.
+TEST(CalibrationDoubts, OdometryOfAnotherScaleThanTheRangesIsNamed) {
+  const auto scaled = [](double distances, double turns) {
+    Blob map = WellFitted();
+    map.PutScalar<double>("robot/0/distance_scale", distances);
+    map.PutScalar<double>("robot/0/turn_scale", turns);
+    return LandmarkMapVerdict(map);
+  };
+  EXPECT_EQ(scaled(1.05, 0.98).trust, Confidence::kHigh);
+  for (const double off : {1 / 1.1, 1.1}) EXPECT_EQ(scaled(off, 1).trust, Confidence::kFair);
+  for (const double off : {0.75, 1.4}) {
+    EXPECT_EQ(scaled(off, 1).trust, Confidence::kLow);
+    EXPECT_EQ(scaled(1, off).trust, Confidence::kFair) << "of turns the observations tell enough";
+  }
+  const Verdict far = scaled(1.4, 1.02);
+  EXPECT_NE(far.why.find("has travelled 1.40 times as far by its ranges as by its odometry"),
+            std::string::npos)
+      << far.why;
+  EXPECT_NE(scaled(1, 0.8).why.find("has turned 0.80 times as far"), std::string::npos);
+}
+
+// With named landmarks a factor on the ranges of one robot makes offsets of both.
+TEST(CalibrationDoubts, ConstantErrorsOfRangesAreADoubtWhereThereAreSeveralRobots) {
+  Blob map = WellFitted();
+  map.PutScalar<double>("robot/0/range_offset_m", -0.1);
+  EXPECT_EQ(LandmarkMapVerdict(map).trust, Confidence::kHigh);
+  map.Put("robots", Array::Texts({"robot", "other"}));
+  map.PutVector<std::int32_t>("robot/1/observations/map_landmark", {});
+  EXPECT_EQ(LandmarkMapVerdict(map).trust, Confidence::kFair);
+}
+
+TEST(CalibrationDoubts, ConstantErrorsOfRangesAreSaid) {
+  Blob map = WellFitted();
+  map.PutScalar<double>("robot/0/range_offset_m", -0.25);
+  EXPECT_EQ(
+      LandmarkMapVerdict(map).Text(),
+      "high: 200 observations fit the map; the ranges of robot are 0.25 m too short, which was taken off");
+}
+
+}  // namespace
+}  // namespace cairn::datasets
