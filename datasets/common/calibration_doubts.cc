@@ -90,8 +90,9 @@ Verdict::Doubt OfClocks(const kinds::LandmarkMap& map, Verdict* verdict) {
   const bool far = std::abs(late_s) * MeanSpeed_mps(map.robot[furthest].poses) > kFar_m;
   return {far ? Confidence::kFair : Confidence::kHigh,
           fmt::format("the observations of {} fit better some {:.2g} s {}: are its sensor's clock and its "
-                      "odometry's the same?",
-                      map.robots[furthest], std::abs(late_s), late_s > 0 ? "earlier" : "later")};
+                      "odometry's the same? Where it is the sensor's that is off, `cairn import csv "
+                      "--sensor-late-s={:.2g}` takes that off",
+                      map.robots[furthest], std::abs(late_s), late_s > 0 ? "earlier" : "later", late_s)};
 }
 
 // A sensor that is turned on its robot bends the map.
@@ -108,9 +109,10 @@ Verdict::Doubt OfTurnedSensors(const kinds::LandmarkMap& map, Verdict* verdict) 
   verdict->numbers.emplace_back("bearings_turned_rad", turned_rad);
   return {
       std::abs(turned_rad) > kFar_rad ? Confidence::kFair : Confidence::kHigh,
-      fmt::format("the bearings of {} fit better some {:.2g} degrees {}: is its sensor turned on the robot?",
+      fmt::format("the bearings of {} fit better some {:.2g} degrees {}: is its sensor turned on the robot? "
+                  "`cairn import csv --sensor-mount=0,0,{:.2g}` says so",
                   map.robots[furthest], std::abs(turned_rad) / kDegree_rad,
-                  turned_rad > 0 ? "smaller" : "larger")};
+                  turned_rad > 0 ? "smaller" : "larger", -turned_rad / kDegree_rad)};
 }
 
 // Turns the observations tell well, whatever odometry says: MRCLAM's robots turn three quarters as far as

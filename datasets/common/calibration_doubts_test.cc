@@ -1,5 +1,6 @@
 #include "datasets/common/calibration_doubts.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,6 +38,7 @@ TEST(CalibrationDoubts, TwoClocksThatDifferAreSaid) {
     const Verdict verdict = LandmarkMapVerdict(map);
     EXPECT_EQ(verdict.trust, std::abs(late_s) > 0.1 ? Confidence::kFair : Confidence::kHigh) << late_s;
     EXPECT_NE(verdict.why.find(late_s > 0 ? "s earlier: are" : "s later: are"), std::string::npos);
+    EXPECT_NE(verdict.why.find("--sensor-late-s=" + fmt::format("{:.2g}`", late_s)), std::string::npos);
   }
 }
 
@@ -47,6 +49,10 @@ TEST(CalibrationDoubts, ASensorThatIsTurnedIsSaid) {
     const Verdict verdict = LandmarkMapVerdict(map);
     EXPECT_EQ(verdict.trust, std::abs(turned_rad) > 0.05 ? Confidence::kFair : Confidence::kHigh);
     EXPECT_NE(verdict.why.find(turned_rad > 0 ? "degrees smaller: is" : "degrees larger: is"),
+              std::string::npos)
+        << verdict.why;
+    // Bearings that are too large are of a sensor that is turned to the right.
+    EXPECT_NE(verdict.why.find(turned_rad > 0 ? "--sensor-mount=0,0,-" : "--sensor-mount=0,0,5.7"),
               std::string::npos)
         << verdict.why;
   }

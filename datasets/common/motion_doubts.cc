@@ -325,10 +325,18 @@ constexpr std::array kOfTurns = {
             "what it sees turns the wrong way when it turns: are turns, or the directions in which it sees, "
             "clockwise? Cairn "
             "counts counter-clockwise"},
-    Mistake{{.delay_s = 1}, "they fit odometry of 1 s later better: do both have the same clock?"},
-    Mistake{{.delay_s = -1}, "they fit odometry of 1 s earlier better: do both have the same clock?"},
-    Mistake{{.delay_s = 2}, "they fit odometry of 2 s later better: do both have the same clock?"},
-    Mistake{{.delay_s = -2}, "they fit odometry of 2 s earlier better: do both have the same clock?"},
+    Mistake{{.delay_s = 1},
+            "they fit odometry of 1 s later better: do both have the same clock? `--sensor-late-s=-1` takes "
+            "that off a CSV"},
+    Mistake{{.delay_s = -1},
+            "they fit odometry of 1 s earlier better: do both have the same clock? `--sensor-late-s=1` takes "
+            "that off a CSV"},
+    Mistake{{.delay_s = 2},
+            "they fit odometry of 2 s later better: do both have the same clock? `--sensor-late-s=-2` takes "
+            "that off a CSV"},
+    Mistake{{.delay_s = -2},
+            "they fit odometry of 2 s earlier better: do both have the same clock? `--sensor-late-s=2` takes "
+            "that off a CSV"},
 };
 
 // What is ahead is often another thing than before; what lies all around hardly ever.

@@ -53,7 +53,7 @@ class CsvImport {
       throw InputError(options_.truth_associations +
                        ": associations need a file of true landmarks beside them");
     }
-    rows_.noise = options_.noise;
+    rows_.noise = options_.sensor.OnRobot(options_.noise);
     ReadOdometry();
     if (!options_.truth_landmarks.empty()) ReadTruthLandmarks();
     if (!options_.observations.empty()) ReadObservations();
@@ -295,7 +295,14 @@ class CsvImport {
     *bearing = *b;
     const std::optional<Misreading> misreading = FindMisreading(*range, *bearing, options_.noise);
     if (misreading) reader->Bad(misreading->reason, misreading->detail);
+    options_.sensor.ToRobotFrame(range, bearing);
     return !misreading;
+  }
+
+  // By odometry's clock.
+  std::optional<double> ObservationTime(CsvReader* reader) const {
+    const auto time = reader->Number(kTime);
+    return time ? *time - options_.sensor.late_s : time;
   }
 
   void ReadObservations() {
@@ -304,7 +311,7 @@ class CsvImport {
     const SkippedRows skipped(bad_);
     std::size_t good = 0;
     while (reader.Next()) {
-      const auto time = reader.Number(0);
+      const auto time = ObservationTime(&reader);
       double range = 0, bearing = 0;
       if (!time || !Measurement(&reader, &range, &bearing)) continue;
       RobotRows* robot = Robot(&reader);
@@ -370,7 +377,7 @@ class CsvImport {
     }
     CsvReader reader = Open(options_.truth_associations, {{"time_s", "robot?", "landmark"}});
     while (reader.Next()) {
-      const auto time = reader.Number(0);
+      const auto time = ObservationTime(&reader);
       RobotRows* robot = time ? Robot(&reader) : nullptr;
       if (robot == nullptr || !IsName(reader.Text(2), &reader)) continue;
       if (!reader.Text(2).empty() && truth_.Find(reader.Text(2)) < 0) {

@@ -32,6 +32,7 @@ struct CsvImportOptions {
   std::string truth_associations;  // needs truth_landmarks
   bool skip_bad = false;  // skip bad lines and count them by reason, instead of stopping at the first
   NoiseParameters noise;  // max_range_m and field_of_view_rad also refuse what lies beyond
+  LandmarkSensor sensor;  // of the observations, contact detections apart from its mount
 };
 
 // Writes a `log` (schema/FORMAT.md). Robots are in the order in which odometry names them, landmarks by name

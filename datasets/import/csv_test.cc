@@ -251,6 +251,44 @@ TEST_F(ImportCsvTest, NoiseParametersComeAlong) {
   EXPECT_FALSE(log_.Has("noise/range_m"));
 }
 
+TEST_F(ImportCsvTest, ASensorThatIsLateAndMountedBesideTheRobotIsPutRight) {
+  // Half a metre ahead of the robot, turned to its left.
+  options_.sensor = {{0.5, 0, M_PI / 2}, 0.25};
+  options_.noise.max_range_m = 3;
+  options_.noise.field_of_view_rad = 1;
+  PutObservations("1.25,Rosa,door,2,0\n2.25,Rosa,,,\n3.25,Rosa,arch,3,-0.5\n");
+  Import();
+  EXPECT_EQ(Column<double>("robot/0/observations/time_s"), (std::vector<double>{1, 2, 3}));
+  const auto range = Column<double>("robot/0/observations/range_m"),
+             bearing = Column<double>("robot/0/observations/bearing_rad");
+  EXPECT_NEAR(range[0], std::hypot(0.5, 2), 1e-12);
+  EXPECT_NEAR(bearing[0], std::atan2(2, 0.5), 1e-12);
+  EXPECT_TRUE(std::isnan(range[1]));
+  EXPECT_NEAR(range[2] * std::cos(bearing[2]), 0.5 + 3 * std::sin(0.5), 1e-12);
+  EXPECT_NEAR(range[2] * std::sin(bearing[2]), 3 * std::cos(0.5), 1e-12);
+  EXPECT_EQ(log_.Scalar<double>("sensor/max_range_m"), 3.5);
+  EXPECT_FALSE(log_.Has("sensor/field_of_view_rad"));
+}
+
+TEST_F(ImportCsvTest, ASensorThatIsTurnedSeesWhatItSawToTheSide) {
+  options_.sensor.mount.heading_rad = -0.25;
+  options_.noise.field_of_view_rad = 1;
+  PutObservations("1,Rosa,door,2,0.5\n");
+  Import();
+  EXPECT_EQ(Column<double>("robot/0/observations/range_m"), (std::vector<double>{2}));
+  EXPECT_EQ(Column<double>("robot/0/observations/bearing_rad"), (std::vector<double>{0.25}));
+  EXPECT_EQ(log_.Scalar<double>("sensor/field_of_view_rad"), 1.5);
+}
+
+TEST_F(ImportCsvTest, TrueAssociationsAreByTheSensorsClockToo) {
+  options_.sensor.late_s = 0.1;
+  options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\ndoor,3,0\n");
+  options_.truth_associations = folder_.Put("who.csv", "time_s,robot,landmark\n1.1,Rosa,door\n");
+  PutObservations("1.1,Rosa,,2,0\n2,Rosa,,2,0\n");
+  Import();
+  EXPECT_EQ(Column<std::int32_t>("truth/robot/0/observations/landmark"), (std::vector<std::int32_t>{0, -1}));
+}
+
 TEST_F(ImportCsvTest, ControlsOnlyWarn) {
   const ImportReport report = Import();
   ASSERT_EQ(report.warnings.size(), 1U);
@@ -440,6 +478,7 @@ TEST(ImportCsvData, TakesTheTwentyLoops) {
                                    loop + "truth_landmarks.csv",
                                    loop + "truth_associations.csv",
                                    false,
+                                   {},
                                    {}};
     Blob log;
     const ImportReport report = ImportCsv(options, &log);

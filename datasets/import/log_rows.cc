@@ -112,6 +112,28 @@ void DoubtUnits(const RobotRows& robot, bool range_is_known, ImportReport* repor
 
 }  // namespace
 
+void LandmarkSensor::ToRobotFrame(double* range_m, double* bearing_rad) const {
+  if (mount.x_m == 0 && mount.y_m == 0) {
+    *bearing_rad += mount.heading_rad;
+    return;
+  }
+  const Pose place = Compose(mount, {*range_m * std::cos(*bearing_rad), *range_m * std::sin(*bearing_rad)});
+  *range_m = std::hypot(place.x_m, place.y_m);
+  *bearing_rad = std::atan2(place.y_m, place.x_m);
+}
+
+NoiseParameters LandmarkSensor::OnRobot(NoiseParameters noise) const {
+  if (noise.max_range_m) *noise.max_range_m += std::hypot(mount.x_m, mount.y_m);
+  const bool aside =
+      mount.x_m != 0 || mount.y_m != 0;  // then it sees to its sides what stands behind the robot
+  if (aside)
+    noise.field_of_view_rad.reset();
+  else if (noise.field_of_view_rad)
+    *noise.field_of_view_rad =
+        std::min(2 * std::numbers::pi, *noise.field_of_view_rad + 2 * std::abs(WrapAngle(mount.heading_rad)));
+  return noise;
+}
+
 std::string Origin::Of(std::size_t row) const {
   return row < line.size() ? file + before_line + std::to_string(line[row]) + ": " : "";
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "schema/blob.h"
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 
@@ -25,6 +26,17 @@ struct NoiseParameters {
   std::optional<double> miss_ratio;
   std::optional<double> max_range_m;
   std::optional<double> field_of_view_rad;
+};
+
+// The sensor that sees the landmarks, where its readings are not of the robot's own frame and of its
+// odometry's clock.
+struct LandmarkSensor {
+  Pose mount;         // on the robot
+  double late_s = 0;  // its times are so much too late
+
+  void ToRobotFrame(double* range_m, double* bearing_rad) const;
+  // How far it reaches from the robot's own place, and what it sees, ahead of the robot, at the most.
+  NoiseParameters OnRobot(NoiseParameters noise) const;
 };
 
 // What was taken in, and what was not.

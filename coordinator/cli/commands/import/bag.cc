@@ -16,7 +16,8 @@ int ImportBag(const BagOptions& options, const Invocation&) {
   for (const std::string& file : options.import.files) CheckOutputIsNotInDataset(options.out, file);
   CheckOverwrite(options.out, options.force);
   datasets::BagImportOptions import = options.import;
-  for (const std::string& mount : options.mounts) import.mounts.insert(ParseMount(mount, "/scan=0.1,0,180"));
+  for (const std::string& mount : options.mounts)
+    import.mounts.insert(ParseNamedMount(mount, "/scan=0.1,0,180"));
   Blob log;
   const datasets::ImportReport report = Take(datasets::ImportBagInChild(import, &log));
   return StoreImport(options, log, report);

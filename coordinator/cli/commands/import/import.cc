@@ -14,6 +14,7 @@ namespace {
 
 struct CsvOptions : ImportOutput {
   datasets::CsvImportOptions import;
+  std::string sensor_mount = "0,0,0";
 };
 
 int ImportCsv(const CsvOptions& options, const Invocation&) {
@@ -21,8 +22,10 @@ int ImportCsv(const CsvOptions& options, const Invocation&) {
   CheckOutputIsNoInput(options.out, {files.odometry, files.observations, files.truth_poses,
                                      files.truth_landmarks, files.truth_associations});
   CheckOverwrite(options.out, options.force);
+  datasets::CsvImportOptions import = files;
+  import.sensor.mount = ParseMount("--sensor-mount", options.sensor_mount);
   Blob log;
-  const datasets::ImportReport report = datasets::ImportCsv(options.import, &log);
+  const datasets::ImportReport report = datasets::ImportCsv(import, &log);
   return StoreImport(options, log, report);
 }
 
@@ -125,6 +128,14 @@ void AddCsv(Command import, Invocation& call) {
   command.Add("--truth-poses", files.truth_poses, "time_s,robot,x_m,y_m,heading_rad");
   command.Add("--truth-landmarks", files.truth_landmarks, "landmark,x_m,y_m");
   command.Add("--truth-associations", files.truth_associations, "time_s,robot,landmark");
+  command.Add(
+      "--sensor-mount", options->sensor_mount,
+      "X,Y,DEGREES: the observations are by a sensor so many metres ahead of the robot's centre and to its "
+      "left, turned to the left");
+  command
+      .Add("--sensor-late-s", files.sensor.late_s,
+           "The times of the observations are so much too late by the odometry's clock (early: below 0)")
+      .Within(-1e6, 1e6);
   AddNoiseOptions(command, files.noise);
   AddOutput(command, *options);
 }

@@ -61,19 +61,37 @@ int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportRep
   return kExitDone;
 }
 
-std::pair<std::string, Pose> ParseMount(const std::string& text, const std::string& example) {
-  const std::size_t equals = text.rfind('=');
+namespace {
+
+std::optional<Pose> MountIn(std::string_view text) {
   std::vector<double> numbers;
-  for (std::size_t at = equals; at != std::string::npos && at < text.size();) {
-    const std::size_t end = std::min(text.find(',', at + 1), text.size());
-    const auto number = ToReal(text.substr(at + 1, end - at - 1));
-    if (number && std::isfinite(*number)) numbers.push_back(*number);
-    at = end;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const auto number = ToReal(std::string(text.substr(at, end - at)));
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    numbers.push_back(*number);
+    at = end + 1;
   }
-  const std::string sensor = text.substr(0, std::min(equals, text.size()));
-  if (numbers.size() != 3 || sensor.empty())
+  if (numbers.size() != 3) return std::nullopt;
+  return Pose{numbers[0], numbers[1], numbers[2] * std::numbers::pi / 180};
+}
+
+}  // namespace
+
+Pose ParseMount(const std::string& option, const std::string& text) {
+  const auto mount = MountIn(text);
+  if (!mount)
+    throw InputError(option + " " + text +
+                     ": what is meant is X,Y,DEGREES: metres ahead and to the left, degrees to the left");
+  return *mount;
+}
+
+std::pair<std::string, Pose> ParseNamedMount(const std::string& text, const std::string& example) {
+  const std::size_t equals = std::min(text.rfind('='), text.size());
+  const auto mount = equals < text.size() ? MountIn(std::string_view(text).substr(equals + 1)) : std::nullopt;
+  if (!mount || equals == 0)
     throw InputError("--mount " + text + ": what is meant is SENSOR=X,Y,DEGREES, such as " + example);
-  return {sensor, {numbers[0], numbers[1], numbers[2] * std::numbers::pi / 180}};
+  return {text.substr(0, equals), *mount};
 }
 
 void AddTextLimit(Command command) {

@@ -20,7 +20,7 @@ struct CarmenOptions : ImportOutput {
 };
 
 std::pair<std::string, Pose> ParseLaserMount(const std::string& text) {
-  std::pair<std::string, Pose> mount = ParseMount(text, "laser2=-0.2,0,180");
+  std::pair<std::string, Pose> mount = ParseNamedMount(text, "laser2=-0.2,0,180");
   constexpr std::array kLasers = {"laser", "laser2", "laser3", "laser4", "laser5"};
   if (std::ranges::find(kLasers, mount.first) == kLasers.end())
     throw InputError("--mount " + text + ": a CARMEN log has the lasers laser, laser2 (rear), … laser5");
