@@ -73,9 +73,8 @@ Verdict SearchVerdict(const Blob& result, bool at_a_distance, const SeenOnce& se
     verdict.why = "EM started once, no other map to compare with";
     if (search.why) verdict.why += " (" + search.why.Scalar() + ")";
   } else if (at_a_distance) {
-    verdict.trust = 3 * search.support.Scalar() < search.starts.Or(0)
-                        ? std::min(confidence, Confidence::kFair)
-                        : confidence;
+    const bool few = 4 * search.support.Scalar() < search.starts.Or(0);
+    verdict.trust = few ? std::min(confidence, Confidence::kFair) : confidence;
     verdict.why = found;
   } else if (const auto unlike = Unlike(search)) {
     if (confidence == Confidence::kLow) verdict.trust = confidence;  // no rate is needed to doubt it
@@ -288,7 +287,7 @@ Verdict::Doubt OfUncertainty(const kinds::LandmarkMap& map, Verdict* verdict) {
 // that breaks, weighs more where most starts led to another map.
 Verdict::Doubt WhereStartsDisagree(const kinds::LandmarkMap& map, Verdict::Doubt doubt) {
   const bool disagree = map.search.support && 2 * map.search.support.Scalar() < map.search.starts.Or(0);
-  if (doubt.text.empty() || !disagree) return doubt;
+  if (doubt.at_most == Confidence::kHigh || !disagree) return doubt;
   return {Confidence::kLow, doubt.text + "; most starts led to another map"};
 }
 

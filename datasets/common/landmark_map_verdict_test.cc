@@ -180,7 +180,7 @@ TEST(LandmarkMapVerdict, OfLandmarksWithoutNamesAtADistanceTheSearchAndTheFitTel
   };
   const Verdict agreed = searched(5, 57.25, FittedMap(200, 1, 1, 0));
   EXPECT_EQ(agreed.trust, Confidence::kHigh);
-  EXPECT_EQ(searched(3, 57.25, FittedMap(200, 1, 1, 0)).trust, Confidence::kFair) << "of 12 starts";
+  EXPECT_EQ(searched(3, 57.25, FittedMap(200, 1, 1, 0)).trust, Confidence::kHigh) << "of 12 starts";
   Blob some_false = FittedMap(200, 0, 0, 0);
   std::vector<std::int32_t> of(200, 0);
   std::fill_n(of.begin(), 5, -1);
@@ -205,6 +205,13 @@ TEST(LandmarkMapVerdict, OfLandmarksWithoutNamesAtADistanceTheSearchAndTheFitTel
   const Verdict few = searched(5, 57.25, FittedMap(200, 0, 0, 0, 4, 0.25));
   EXPECT_EQ(few.trust, Confidence::kLow) << "of 12 starts, and ranges err twice as much";
   EXPECT_NE(few.why.find("; most starts led to another map"), std::string::npos) << few.why;
+  const Verdict said = searched(5, 57.25, FittedMap(200, 0, 0, 0, 4, 0.18));
+  EXPECT_EQ(said.trust, Confidence::kHigh) << "as data sheets err";
+  EXPECT_NE(said.why.find("err by 1.8 times"), std::string::npos) << said.why;
+  Blob of_many = FittedMap(200, 0, 0, 0);
+  of_many.PutAll("", Searched(3, 57.25));
+  of_many.PutScalar<std::int32_t>("search/starts", 13);
+  EXPECT_EQ(LandmarkMapVerdict(of_many).trust, Confidence::kFair);
   const Verdict carried = searched(5, 57.25, FittedMap(200, 0, 0, 1));
   EXPECT_EQ(carried.trust, Confidence::kLow) << "of 12 starts, and the path breaks";
   EXPECT_NE(carried.why.find("was it carried? Without names a slip makes landmarks that are not "
