@@ -58,7 +58,7 @@ std::string WhyNothingIsKnown(const Blob& result) {
 }
 
 // What the search says of the map it chose.
-Verdict SearchVerdict(const Blob& result, bool at_a_distance, const SeenOnce& seen) {
+Verdict SearchVerdict(const Blob& result, std::size_t robots, bool at_a_distance, const SeenOnce& seen) {
   Verdict verdict;
   const auto search = FieldsIn<kinds::LandmarkMap::Search>("search/", result);
   const Confidence confidence = ReadConfidence(result);
@@ -79,6 +79,10 @@ Verdict SearchVerdict(const Blob& result, bool at_a_distance, const SeenOnce& se
   } else if (const auto unlike = Unlike(search)) {
     if (confidence == Confidence::kLow) verdict.trust = confidence;  // no rate is needed to doubt it
     verdict.why = found + "; how often such maps are right was not measured (" + *unlike + ")";
+  } else if (robots > 1) {
+    verdict.trust = std::min(confidence, Confidence::kFair);
+    verdict.why =
+        std::string("of several robots right in ") + Frequency(verdict.trust) + " such simulations; " + found;
   } else if (seen.passed_again > 0) {
     verdict.trust = confidence;  // what it is of logs with false observations was not measured
     verdict.why = found;
@@ -198,7 +202,8 @@ Verdict::Doubt OfHoles(const kinds::LandmarkMap& map, Verdict* verdict) {
 
 // Whether names, or enough landmarks in common, say where each robot is in the map of the others.
 Verdict::Doubt OfPlaces(const kinds::LandmarkMap& map, Verdict* verdict) {
-  constexpr double kTied_nats = 10;
+  // Of contact detections their order tells a place, too, which the lead does not weigh.
+  const double tied_nats = map.fit.observations.Or(0) > 0 ? 10 : 4;
   std::string loose;
   double least_nats = std::numeric_limits<double>::infinity();
   std::int64_t shared = 0, one_sided = 0;
@@ -212,7 +217,7 @@ Verdict::Doubt OfPlaces(const kinds::LandmarkMap& map, Verdict* verdict) {
       shared = robot.shared_landmarks.Or(0);
       one_sided = robot.one_sided_landmarks.Or(0);
     }
-    if (*nats < kTied_nats) loose += (loose.empty() ? "" : ", ") + map.robots[r];
+    if (*nats < tied_nats) loose += (loose.empty() ? "" : ", ") + map.robots[r];
   }
   if (std::isinf(least_nats)) return {Confidence::kHigh};
   verdict->numbers.emplace_back("place_lead_nats", least_nats);
@@ -370,7 +375,7 @@ Verdict LandmarkMapVerdict(const Blob& result) {
   const auto map = Read<kinds::LandmarkMap>(result);
   const SeenOnce seen = CountSeenOnce(map);
   const bool at_a_distance = map.fit.observations.Or(0) > 0;
-  Verdict verdict = SearchVerdict(result, at_a_distance, seen);
+  Verdict verdict = SearchVerdict(result, map.robot.size(), at_a_distance, seen);
   std::size_t observations = 0, explained = 0;
   for (const auto& robot : map.robot) {
     observations += robot.map_landmark.OrNone().size();
@@ -385,7 +390,10 @@ Verdict LandmarkMapVerdict(const Blob& result) {
   const auto all = static_cast<double>(std::max<std::size_t>(1, observations));
   verdict.AddCount("landmarks_observed_once", seen.once);
   verdict.AddCount("of_them_passed_again", seen.passed_again);
-  if (map.search.support && !at_a_distance) verdict.Add(OfSeenOnce(seen, false));
+  if (map.search.support && !at_a_distance) {
+    verdict.Add(OfSeenOnce(seen, false));
+    verdict.Add(OfPlaces(map, &verdict));
+  }
   JudgeFit(map, static_cast<double>(explained) / all, seen, &verdict);
   if (explained < observations)
     verdict.why +=

@@ -46,6 +46,28 @@ TEST(LandmarkMapVerdict, WhatTheObservationsSayOfThemselvesMakesItLow) {
       << TextOf(result);
 }
 
+TEST(LandmarkMapVerdict, OfContactsOfSeveralRobotsTheirPlacesTellToo) {
+  const auto of_two = [](int support, double place_lead_nats) {
+    Blob result = Searched(support, 57.25);
+    result.Put("robots", Array::Texts({"one", "two"}));
+    for (const char* robot : {"robot/0/", "robot/1/"}) {
+      result.PutScalar<std::int64_t>(std::string(robot) + "shared_landmarks", 4);
+      result.PutScalar<double>(std::string(robot) + "place_lead_nats", place_lead_nats);
+    }
+    return LandmarkMapVerdict(result);
+  };
+  EXPECT_EQ(of_two(7, 8).trust, Confidence::kFair);
+  EXPECT_EQ(of_two(7, 8).why.find("of several robots right in 9 of 10 such simulations; found from 7 of 12"),
+            0U)
+      << of_two(7, 8).why;
+  const Verdict square = of_two(7, 0.5);
+  EXPECT_EQ(square.trust, Confidence::kLow);
+  EXPECT_NE(square.why.find("where two is in the map of the others is uncertain: 4 landmarks in common"),
+            std::string::npos)
+      << square.why;
+  EXPECT_EQ(of_two(1, 8).trust, Confidence::kLow);
+}
+
 // Contact detections unlike those of which rates are known: that two maps are as good as each other, or that
 // most landmarks were seen once and passed again, tells all the same.
 TEST(LandmarkMapVerdict, OfContactsUnlikeThoseMeasuredWhatIsDoubtedIsLow) {

@@ -88,7 +88,8 @@ std::vector<std::string> ChangedOptions(Options options) {
 std::vector<std::string> OtherSensing(const kinds::Log& log) {
   std::vector<std::string> unlike;
   const std::size_t robots = log.robots.size();
-  if (robots != 1) unlike.push_back("it has " + std::to_string(robots) + " robots");
+  constexpr std::size_t kMostRobots = 4;
+  if (robots > kMostRobots) unlike.push_back("it has " + std::to_string(robots) + " robots");
   if (!log.landmarks.empty()) unlike.emplace_back("landmarks have identities");
   if (log.types.OrNone().size() > 1) unlike.emplace_back("landmarks are of types");
   if (std::ranges::any_of(log.robot[0].observations.range_m, [](double r) { return !std::isnan(r); }))

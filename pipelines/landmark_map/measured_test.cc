@@ -55,9 +55,11 @@ TEST(UnlikeMeasured, NamesEachDifference) {
   EXPECT_FALSE(Says(unlike, "robots"));
   EXPECT_TRUE(Says(UnlikeMeasured({}, SquareLog{.identified = true}.Make(), 4), "have identities"));
   EXPECT_TRUE(Says(UnlikeMeasured({}, SquareLog{.ranged = true}.Make(), 4), "seen at a distance"));
-  Blob two = log;
-  two.Put("robots", Array::Texts({"a", "b"}));
-  EXPECT_TRUE(Says(UnlikeMeasured({}, two, 4), "it has 2 robots"));
+  Blob many = log;
+  many.Put("robots", Array::Texts({"a", "b", "c", "d"}));
+  EXPECT_FALSE(Says(UnlikeMeasured({}, many, 4), "robots"));
+  many.Put("robots", Array::Texts({"a", "b", "c", "d", "e"}));
+  EXPECT_TRUE(Says(UnlikeMeasured({}, many, 4), "it has 5 robots"));
 }
 
 TEST(UnlikeMeasured, LogsWhoseObservationsAreFalseOrMissed) {

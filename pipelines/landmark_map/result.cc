@@ -342,6 +342,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
                                          [&](double time_s) { return time_s <= until_s; });
     result.PutScalar<std::int64_t>("until_observations", looked_at);
   }
+  PutTies(blob, refined, map.rows, landmarks, settings, &result);
   if (settings.detection.tells_passes && !settings.incremental)
     JudgePasses(settings, log.noise.false_ratio, &landmarks, &result);
   PutLandmarks(landmarks, settings.map, &result);
@@ -355,7 +356,6 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
     result.Put("observation_doubts", Array::Texts(doubts));
   if (!refined.paths.empty())
     result.PutAll("fit/", refined.fit.ToBlob(refined.landmarks, settings.map.types));
-  PutTies(blob, refined, map.rows, settings, &result);
   if (!map.moved.empty()) result.PutAll("moved/", BlobOf(map.moved));
   if (inputs.Has("search")) result.PutAll("search/", *inputs.Get("search"));
   Step step;

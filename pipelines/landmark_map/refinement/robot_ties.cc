@@ -108,6 +108,46 @@ std::vector<Robots> GroupsOf(const Rows& rows, const std::vector<bool>& named, d
   return groups;
 }
 
+// Contact detections, each where its landmark is.
+Rows ContactRows(const kinds::Log& log, const std::vector<RowAssociations>& rows,
+                 const std::vector<Landmark>& landmarks) {
+  Rows placed(rows.size());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const kinds::Log::Observations& seen = log.robot[r].observations;
+    for (std::size_t i = 0; i < rows[r].landmark.size(); ++i) {
+      if (rows[r].landmark[i] < 0 || rows[r].probability[i] < 0.5 || !std::isnan(seen.range_m[i])) continue;
+      const Landmark& landmark = landmarks[static_cast<std::size_t>(rows[r].landmark[i])];
+      placed[r].push_back({seen.time_s[i],
+                           {landmark.x_m, landmark.y_m, 0},
+                           0,
+                           0,
+                           rows[r].landmark[i],
+                           seen.landmark[i] >= 0});
+    }
+  }
+  return placed;
+}
+
+// How far off a landmark may be in another part of the map: as it is by the map's own account, twice.
+double ContactTieSigma_m(const std::vector<Landmark>& landmarks, const ObservationNoise& noise) {
+  double variance_m2 = 0;
+  for (const Landmark& landmark : landmarks)
+    variance_m2 += (landmark.covariance_m2[0] + landmark.covariance_m2[3]) / 2;
+  return std::hypot(
+      noise.contact_m,
+      std::sqrt(2 * variance_m2 / static_cast<double>(std::max<std::size_t>(1, landmarks.size()))));
+}
+
+void PutTiesOfRobots(const std::vector<Tie>& ties, Blob* result) {
+  for (std::size_t r = 0; r < ties.size() && ties.size() > 1; ++r) {
+    const std::string prefix = "robot/" + std::to_string(r) + "/";
+    result->PutScalar<std::int64_t>(prefix + "shared_landmarks", ties[r].shared);
+    if (ties[r].one_sided)
+      result->PutScalar<std::int64_t>(prefix + "one_sided_landmarks", *ties[r].one_sided);
+    if (ties[r].lead_nats) result->PutScalar<double>(prefix + "place_lead_nats", *ties[r].lead_nats);
+  }
+}
+
 Robots Without(const Robots& robots, std::size_t robot) {
   Robots others = robots;
   std::erase(others, robot);
@@ -202,21 +242,18 @@ Tie TieAcross(const OdometryHole& hole, const std::vector<PlacedRow>& rows, cons
 }
 
 void PutTies(const Blob& blob, const JointRefinement& refined, const std::vector<RowAssociations>& rows,
-             const Settings& settings, Blob* result) {
-  if (refined.paths.empty()) return;
+             const std::vector<Landmark>& landmarks, const Settings& settings, Blob* result) {
   const auto log = Read<kinds::Log>(blob);
+  const std::vector<bool> named = Named(landmarks, settings.map.types);
+  if (refined.paths.empty()) {
+    const double sigma_m = ContactTieSigma_m(landmarks, settings.observation_noise);
+    PutTiesOfRobots(TiesOfRobots(ContactRows(log, rows, landmarks), named, sigma_m), result);
+    return;
+  }
   const Rows placed = PlacedRows(log, refined, rows, settings.steps.until_s);
   const double sigma_m = TieSigma_m(placed, refined.fit);
-  const std::vector<bool> named = Named(refined.landmarks, settings.map.types);
   if (!(sigma_m > 0)) return;  // contact detections alone
-  const std::vector<Tie> ties = TiesOfRobots(placed, named, sigma_m);
-  for (std::size_t r = 0; r < ties.size() && ties.size() > 1; ++r) {
-    const std::string prefix = "robot/" + std::to_string(r) + "/";
-    result->PutScalar<std::int64_t>(prefix + "shared_landmarks", ties[r].shared);
-    if (ties[r].one_sided)
-      result->PutScalar<std::int64_t>(prefix + "one_sided_landmarks", *ties[r].one_sided);
-    if (ties[r].lead_nats) result->PutScalar<double>(prefix + "place_lead_nats", *ties[r].lead_nats);
-  }
+  PutTiesOfRobots(TiesOfRobots(placed, named, sigma_m), result);
   kinds::LandmarkMap::Holes holes;
   std::vector<OdometryHole> found = FindOdometryHoles(blob);
   std::erase_if(found, [&](const OdometryHole& hole) {

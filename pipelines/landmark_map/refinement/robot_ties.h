@@ -50,8 +50,8 @@ Tie TieAcross(const OdometryHole& hole, const std::vector<PlacedRow>& rows, cons
               double sigma_m);
 
 // As schema/FORMAT.md has them: `robot/N/shared_landmarks` and what belongs to it, and `holes/` where the
-// odometry lacks some way. Nothing where the least squares was refused.
+// odometry lacks some way, the latter only of landmarks seen at a distance.
 void PutTies(const Blob& log, const JointRefinement& refined, const std::vector<RowAssociations>& rows,
-             const Settings& settings, Blob* result);
+             const std::vector<Landmark>& landmarks, const Settings& settings, Blob* result);
 
 }  // namespace cairn::landmark_map

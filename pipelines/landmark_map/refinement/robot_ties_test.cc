@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <numeric>
+#include <string>
+
 #include "pipelines/landmark_map/refinement/testing.h"
 
 namespace cairn::landmark_map {
@@ -36,6 +40,34 @@ TEST(TiesOfRobots, NamesOfTwoLandmarksSayWhereItIs) {
   const auto ties = TiesOfRobots({DriveThroughRoom(1), DriveThroughRoom(1, 0, 4)}, kNames, kTieSigma);
   EXPECT_EQ(ties[1].shared, std::int64_t{kSeenInRoom1});
   EXPECT_FALSE(ties[1].lead_nats.has_value());
+}
+
+// Of two robots that press buttons: both lie to one another as the buttons of the second lie among those of
+// the first, which in a square is the same in four ways.
+TEST(PutTies, OfContactDetectionsASquareSaysLittle) {
+  const auto lead_nats = [](const std::vector<Point>& buttons) {
+    kinds::Log log;
+    std::vector<RowAssociations> rows(2);
+    std::vector<Landmark> landmarks;
+    for (const Point& at : buttons) landmarks.push_back({at.x_m, at.y_m, {0.01, 0, 0, 0.01}, 0, 4});
+    for (RowAssociations& of : rows) {
+      for (std::size_t k = 0; k < 2 * buttons.size(); ++k)
+        of.landmark.push_back(static_cast<std::int32_t>(k % buttons.size()));
+      of.probability.assign(of.landmark.size(), 1);
+      kinds::Log::Robot& robot = log.robot.emplace_back();
+      const std::vector<double> none(of.landmark.size(), std::numeric_limits<double>::quiet_NaN());
+      std::vector<double> time_s(of.landmark.size());
+      std::iota(time_s.begin(), time_s.end(), 0.0);
+      robot.observations = {time_s, none, none, std::vector<std::int32_t>(of.landmark.size(), -1), {}};
+    }
+    log.robots = std::vector<std::string>{"one", "two"};
+    Blob result;
+    PutTies(BlobOf(log), {}, rows, landmarks, {}, &result);
+    EXPECT_EQ(result.Scalar<std::int64_t>("robot/1/shared_landmarks"), std::ssize(buttons));
+    return result.Scalar<double>("robot/1/place_lead_nats");
+  };
+  EXPECT_NEAR(lead_nats({{0, 0}, {10, 0}, {10, 10}, {0, 10}}), 0, 1);
+  EXPECT_GT(lead_nats({{0, 0}, {10, 0}, {14, 9}, {-3, 16}}), 6);
 }
 
 // What a robot saw is of landmarks with names, but it gave none itself.
