@@ -365,13 +365,26 @@ Result<wire::Reply> Client::Clean(bool damaged, bool dry_run) {
 Result<wire::JobInfo> Client::Info(const std::string& job) { return Command(job, "status"); }
 
 Result<std::map<std::string, BlobPtr>> Client::Results(const std::string& job, ResultsFacts* facts) {
+  return Blobs(job, "results", facts);
+}
+
+Result<std::map<std::string, BlobPtr>> Client::SoFar(const std::string& job, ResultsFacts* facts) {
+  return Blobs(job, "so_far", facts);
+}
+
+Result<std::map<std::string, BlobPtr>> Client::Inputs(const std::string& job, ResultsFacts* facts) {
+  return Blobs(job, "inputs", facts);
+}
+
+Result<std::map<std::string, BlobPtr>> Client::Blobs(const std::string& job, const std::string& action,
+                                                     ResultsFacts* facts) {
   if (job.empty()) return Status(Code::kNotFound, "which job?");
   // A service that does not answer at all is not waited for as one that sends much.
   const Result<wire::Message> status = Query(job, "status", options_.timeout_s, kMostBroken);
   if (const Result<wire::JobInfo> info = OnlyJob(status, job); !info.ok()) return info.status();
   // How much will come is not known before: as for a gigabyte.
   Result<wire::Message> answer =
-      Query(job, "results", options_.timeout_s + 1e9 / kSlowestBytesPerS, kMostBroken);
+      Query(job, action, options_.timeout_s + 1e9 / kSlowestBytesPerS, kMostBroken);
   if (!answer.ok()) return answer.status();
   const wire::Reply& reply = answer.value().envelope.reply();
   if (facts != nullptr)

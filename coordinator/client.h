@@ -107,8 +107,14 @@ class Client {
   // here. kCorrupt: one cannot be read; where `facts` are asked for that
   // is said there, beside those that can.
   Result<std::map<std::string, BlobPtr>> Results(const std::string& job, ResultsFacts* facts = nullptr);
+  // In the same way what there is to see of the stage under way (State.so_far); nothing: there is none.
+  Result<std::map<std::string, BlobPtr>> SoFar(const std::string& job, ResultsFacts* facts = nullptr);
+  // And the inputs of a job of one's own, by their names; nothing: they are not kept any more.
+  Result<std::map<std::string, BlobPtr>> Inputs(const std::string& job, ResultsFacts* facts = nullptr);
 
  private:
+  Result<std::map<std::string, BlobPtr>> Blobs(const std::string& job, const std::string& action,
+                                               ResultsFacts* facts);
   Result<FleetFacts> AskOfWorkers(const std::string& action, std::uint64_t worker);
   explicit Client(ClientOptions options, wire::DealerSocket socket);
   // `repeats`: how often it may ask again on another connection.

@@ -73,6 +73,11 @@ std::uint64_t PartPlaces::WorkerOf(const Hash& part) const {
   return 0;
 }
 
+std::optional<Hash> Job::SoFar() const {
+  if (!step || Final() || AllStagesDone() || step->state().so_far().empty()) return std::nullopt;
+  return Hash::FromBinary(step->state().so_far()).value();
+}
+
 void Job::SetSpec(const proto::Job& job) {
   spec = job;
   hash = HashOfJob(job);
@@ -258,6 +263,7 @@ wire::JobInfo MakeInfo(const Job& job, double now_s) {
   info.set_tasks(static_cast<std::uint32_t>(job.step->tasks_size()));
   info.set_tasks_done(job.tasks.kind() == wire::TaskKey::RUN ? job.tasks.done_count() : info.tasks());
   info.set_note(job.step->note());
+  if (const auto so_far = job.SoFar()) info.set_so_far(so_far->Binary());
   double later = 0;
   for (const proto::Phase& phase : job.step->later()) later += phase.rounds();
   info.set_rounds_left(1 + static_cast<std::uint32_t>(std::lround(std::min(later, 1e9))));

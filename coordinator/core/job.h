@@ -146,6 +146,8 @@ struct Job {
   bool SavingWaits() const { return state == proto::JOB_PAUSED && !held && pending.empty(); }
   std::uint32_t StageCount() const { return static_cast<std::uint32_t>(spec.stages_size()); }
   bool AllStagesDone() const { return stage == StageCount(); }
+  // What people may look at of the stage under way (State.so_far).
+  std::optional<Hash> SoFar() const;
   const proto::Stage& CurrentStage() const { return spec.stages(static_cast<int>(stage)); }
   // Key of an attempt at a task of what is under way.
   wire::TaskKey Key(std::uint32_t task, std::uint32_t attempt) const;

@@ -95,6 +95,9 @@ TEST(CheckStep, NamesWhatIsWrong) {
   step = Chain(1);
   (*step.mutable_state()->mutable_blobs())["map"] = "short";
   EXPECT_NE(CheckStep(step).find("'map'"), std::string::npos);
+  step = Chain(1);
+  step.mutable_state()->set_so_far("short");
+  EXPECT_EQ(CheckStep(step), "what there is to see of the state has no hash");
   step = Chain(3);
   step.mutable_tasks(1)->set_kind(std::string(1000, 'x'));
   EXPECT_EQ(CheckStep(step), "task 1: its kind is no name")

@@ -54,6 +54,8 @@ std::string CheckStep(const proto::Step& step) {
   }
   for (const auto& [name, hash] : step.state().blobs())
     if (!IsHash(hash)) return "the state's blob '" + name + "' has no hash";
+  if (!step.state().so_far().empty() && !IsHash(step.state().so_far()))
+    return "what there is to see of the state has no hash";
   if (!IsAmount(step.advance_cost())) return "what its ADVANCE costs is no number";
   if (step.later_size() > kMostPhases) return "it expects too many phases";
   for (const proto::Phase& phase : step.later())
@@ -71,6 +73,7 @@ HashSet BlobsOfStep(const proto::Step& step) {
   for (const proto::Task& task : step.tasks())
     for (const proto::InputRef& input : task.inputs())
       if (!input.has_task()) add(input.blob());
+  if (!step.state().so_far().empty()) add(step.state().so_far());
   if (!step.result().empty()) add(step.result());
   return hashes;
 }

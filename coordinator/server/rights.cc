@@ -14,6 +14,8 @@ struct JobAction {
 const std::array kJobActions = {
     JobAction{"status", Right::kView, std::nullopt},
     JobAction{"results", Right::kView, std::nullopt},
+    JobAction{"inputs", Right::kSubmit, std::nullopt},
+    JobAction{"so_far", Right::kView, std::nullopt},
     JobAction{"logs", Right::kView, std::nullopt},
     JobAction{"pause", Right::kSubmit, JobCommand::kPause},
     JobAction{"resume", Right::kSubmit, JobCommand::kResume},

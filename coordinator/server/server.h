@@ -155,6 +155,9 @@ class Server {
   void RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why);
   void RefuseAsUnable(const std::string& peer, wire::RefusalKind kind, const std::string& why);
   void AddResults(const std::string& id, wire::Message& reply);
+  void AddSoFar(const std::string& id, wire::Message& reply);
+  void AddInputs(const std::string& id, wire::Message& reply);
+  void AddBlob(const std::string& name, const Hash& hash, wire::Message& reply);
   bool MayAskWriter(const std::string& peer);
   void AnswerLog(const std::string& peer, const wire::JobQuery& query);
   std::string WhatIsWrong(const wire::JobQuery& query) const;

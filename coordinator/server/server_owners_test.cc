@@ -63,6 +63,20 @@ TEST_F(Owners, EverybodySeesWhoseAJobIsAndWhetherItIsHis) {
     }
   EXPECT_TRUE(Ask(other_, Query("logs", job)).reply().ok());
   EXPECT_TRUE(Ask(viewer_, Query("results", job)).reply().ok());
+  EXPECT_TRUE(Ask(viewer_, Query("so_far", job)).reply().ok());
+}
+
+// A log may show what its owner shows nobody.
+TEST_F(Owners, AJobsInputsAreItsOwners) {
+  const std::string job = AJob();
+  EXPECT_TRUE(Ask(submitter_, Query("inputs", job)).reply().ok());
+  EXPECT_TRUE(Ask(worker_, Query("inputs", job)).reply().ok()) << "an administrator's";
+  const wire::Reply refused = Ask(other_, Query("inputs", job)).reply();
+  EXPECT_FALSE(refused.ok());
+  EXPECT_NE(refused.message().find("cannot hand out the inputs of " + job + ": it belongs to ann"),
+            std::string::npos)
+      << refused.message();
+  EXPECT_FALSE(Ask(viewer_, Query("inputs", job)).reply().ok());
 }
 
 TEST_F(Owners, OwnersOutliveARestartAndFollowTheNameToANewKey) {

@@ -200,7 +200,9 @@ void Server::Serve(const std::string& peer, const std::string& user, const wire:
   if (query.action() == "logs") return AnswerLog(peer, query);
   // Asked again while the answer is on its way, or by who does not read: what is read from the disk here
   // stays in memory until it is out.
-  if (query.action() == "results" && transport_.Unsent(peer) > 0) return;
+  const bool wants_blobs =
+      query.action() == "results" || query.action() == "so_far" || query.action() == "inputs";
+  if (wants_blobs && transport_.Unsent(peer) > 0) return;
   wire::Message reply;
   reply.envelope.mutable_reply()->set_ok(true);
   if (query.job().empty())
@@ -217,6 +219,8 @@ void Server::Serve(const std::string& peer, const std::string& user, const wire:
   reply.envelope.mutable_reply()->set_store_bytes(use_.bytes());
   reply.envelope.mutable_reply()->set_store_limit_bytes(use_.limit_bytes());
   if (query.action() == "results") AddResults(query.job(), reply);
+  if (query.action() == "so_far") AddSoFar(query.job(), reply);
+  if (query.action() == "inputs") AddInputs(query.job(), reply);
   Reply(peer, std::move(reply));
 }
 
@@ -314,6 +318,28 @@ void Server::AddResults(const std::string& id, wire::Message& reply) {
                  "': " + ForUsers(file.status()).message();
     }
   }
+}
+
+// Of the step under way, durable or not: steps are pure, so that what a crash takes back comes again.
+void Server::AddSoFar(const std::string& id, wire::Message& reply) {
+  const Job& job = *core_.FindJob(id);
+  if (const auto hash = job.SoFar()) AddBlob(job.CurrentStage().name(), *hash, reply);
+}
+
+// They are kept as long as the job may need them.
+void Server::AddInputs(const std::string& id, wire::Message& reply) {
+  const Job& job = *core_.FindJob(id);
+  for (const auto& [name, binary] : job.spec.input_blobs())
+    if (!job.Final()) AddBlob(name, Hash::FromBinary(binary).value(), reply);
+}
+
+void Server::AddBlob(const std::string& name, const Hash& hash, wire::Message& reply) {
+  Status unread;
+  const BlobPtr blob = blobs_.Get(hash, &unread);
+  if (!unread.ok()) log_(Severity::kError, unread.message());
+  if (blob == nullptr) return;
+  reply.envelope.mutable_reply()->add_names(name);
+  reply.blobs.push_back({hash, blob});
 }
 
 }  // namespace cairn::coordinator

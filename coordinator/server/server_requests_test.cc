@@ -125,6 +125,49 @@ TEST(ServerRequests, ACommandThatCannotBeSavedIsRefusedAndAfterARestartNothingOf
   EXPECT_TRUE(fixture.Ask(Query("1-toy", "cancel")).ok());
 }
 
+// It is handed out as the last round left it, over a restart too, until there is a result in its place.
+TEST(ServerRequests, WhatThereIsToSeeOfAJobThatRunsIsHandedOut) {
+  ServerFixture fixture;
+  EXPECT_EQ(fixture.Ask(fixture.Submission(fixture.MakeJob(), true)).jobs(0).id(), "1-toy");
+  EXPECT_TRUE(fixture.Ask(Query("1-toy", "so_far")).names().empty()) << "nothing was planned yet";
+  fixture.transport.swallow = [](const wire::Assign& assign) {
+    return assign.key().round() == 1 && assign.key().kind() == wire::TaskKey::RUN;
+  };
+  fixture.transport.ComeWorker("w");
+  fixture.Until([&] { return fixture.server->core().Find("1-toy")->round() == 1; });
+  const auto expect_map = [&] {
+    const wire::Reply reply = fixture.Ask(Query("1-toy", "so_far"));
+    ASSERT_EQ(reply.names_size(), 1);
+    EXPECT_EQ(reply.names(0), "stage0");
+    ASSERT_EQ(fixture.last_blobs.size(), 1u);
+    EXPECT_EQ(fixture.last_blobs[0].blob->Text("text"), "a map of round 0");
+    EXPECT_EQ(reply.jobs(0).so_far(), fixture.last_blobs[0].hash.Binary());
+  };
+  expect_map();
+  EXPECT_TRUE(fixture.Ask(Query("1-toy", "pause")).ok());
+  fixture.Start();
+  expect_map();
+  fixture.transport.swallow = [](const wire::Assign&) { return false; };
+  fixture.transport.ComeWorker("w");
+  EXPECT_TRUE(fixture.Ask(Query("1-toy", "resume")).ok());
+  fixture.Until([&] { return fixture.State("1-toy") == "done"; });
+  const wire::Reply over = fixture.Ask(Query("1-toy", "so_far"));
+  EXPECT_TRUE(over.names().empty());
+  EXPECT_TRUE(over.jobs(0).so_far().empty());
+}
+
+TEST(ServerRequests, AJobsInputsAreHandedOutUntilItIsDone) {
+  ServerFixture fixture;
+  EXPECT_EQ(fixture.Ask(fixture.Submission(fixture.MakeJob(), true)).jobs(0).id(), "1-toy");
+  const wire::Reply reply = fixture.Ask(Query("1-toy", "inputs"));
+  ASSERT_EQ(reply.names_size(), 1);
+  EXPECT_EQ(reply.names(0), "log");
+  EXPECT_EQ(fixture.last_blobs.at(0).blob->Text("text"), "the log");
+  fixture.transport.ComeWorker("w");
+  fixture.Until([&] { return fixture.State("1-toy") == "done"; });
+  EXPECT_TRUE(fixture.Ask(Query("1-toy", "inputs")).names().empty());
+}
+
 TEST(ServerRequests, ADeletionThatFailsIsRefusedAndTheJobStays) {
   ServerFixture fixture;
   EXPECT_EQ(fixture.Ask(fixture.Submission(fixture.MakeJob(), true)).jobs(0).id(), "1-toy");

@@ -99,11 +99,13 @@ void Server::NoteWhoAsks(const std::string& peer, const std::string& user, const
 
 // Empty: the job is his who asks, or he administers, or nothing of it is changed.
 std::string Server::WhyNotHis(const std::string& user, const wire::JobQuery& query) const {
-  const Job* job = CommandOf(query.action()) ? core_.FindJob(query.job()) : nullptr;
+  const bool is_his_alone = CommandOf(query.action()) || query.action() == "inputs";
+  const Job* job = is_his_alone ? core_.FindJob(query.job()) : nullptr;
   if (job == nullptr || access_control_.MayCommand(user, job->owner)) return "";
   const std::string owner =
       wire::IsPublicKey(job->owner) ? "the key " + wire::ShortKey(job->owner) : job->owner;
-  return "cannot " + query.action() + " " + job->id + ": it " +
+  const std::string what = query.action() == "inputs" ? "hand out the inputs of" : query.action();
+  return "cannot " + what + " " + job->id + ": it " +
          (owner.empty() ? "has no owner" : "belongs to " + owner) + ", and the key of " +
          access_control_.NameOf(user) + " is no administrator's (role admin)";
 }

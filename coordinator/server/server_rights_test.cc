@@ -32,6 +32,8 @@ TEST_F(Rights, TheTableCoversEveryKindOfMessage) {
   EXPECT_GE(known, 11);
   EXPECT_EQ(RightNeeded(Query("status").envelope), Right::kView);
   EXPECT_EQ(RightNeeded(Query("results").envelope), Right::kView);
+  EXPECT_EQ(RightNeeded(Query("so_far").envelope), Right::kView);
+  EXPECT_EQ(RightNeeded(Query("inputs").envelope), Right::kSubmit);
   for (const char* changes : {"cancel", "resume"})
     EXPECT_EQ(RightNeeded(Query(changes).envelope), Right::kSubmit) << changes;
 }

@@ -58,7 +58,9 @@ struct ServiceOptions {
 //   JobQuery: Reply.jobs, of one job or all, after the action: "" or status; pause, resume, cancel, retry,
 //     delete and priority (README.md says what each does in which state), once that is durable (not ok where
 //     it cannot be saved: then it is as it was before); results, those done: blobs, by stage name in `names`,
-//     each with its `provenance/`, where `provenance/kind` says what kind of file it is.
+//     each with its `provenance/`, where `provenance/kind` says what kind of file it is; so_far, in the same
+//     way, what there is to see of the stage under way (State.so_far); inputs, by their names, to whose job
+//     it is, until it is done or cancelled.
 Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomic<bool>& stop);
 
 }  // namespace cairn::coordinator

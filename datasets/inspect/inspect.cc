@@ -175,6 +175,8 @@ Verdict VerdictOf(const Blob& blob) {
 
 Facts FactsOf(const Blob& blob) {
   Facts facts;
+  if (blob.Has("so_far/what"))
+    facts.emplace_back("no result", "a map that is still being made: " + blob.Text("so_far/what"));
   if (blob.Has("runs") && blob.Has("run/0/input")) AddSamples(Read<kinds::Samples>(blob), &facts);
   const auto log = Read<kinds::Log>(blob);
   const auto map = Read<kinds::LandmarkMap>(blob);

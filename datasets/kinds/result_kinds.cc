@@ -151,6 +151,16 @@ constexpr ResultKind kResultKinds[] = {
      .page = [](const ReportedStage& s) { return report::LocalizationHtml(*s.result, s.source); },
      .picture = [](const ReportedStage& s, int) { return report::LocalizationPng(*s.result, s.source); },
      .verdict = LocalizationVerdict},
+    {.name = "map_so_far",
+     .is_map = true,
+     .page_takes_source = false,
+     .page = [](const ReportedStage& s) { return report::SoFarHtml(*s.result); },
+     .picture =
+         [](const ReportedStage& s, int width_px) {
+           const Blob map = report::MapOfSoFar(*s.result);
+           return map.Has("map/grid/occupied") ? DrawGridPng(map, nullptr, nullptr, width_px)
+                                               : DrawMapPng(map, nullptr, nullptr, width_px);
+         }},
     {.name = "samples",
      .page_takes_source = false,
      .page = [](const ReportedStage& s) { return report::SamplesHtml(*s.result); },

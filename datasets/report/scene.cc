@@ -274,6 +274,10 @@ Box BoundsOf(const Scene& scene, bool with_odometry) {
   bounds.Add(scene.truth_paths);
   if (with_odometry) bounds.Add(scene.odometry);
   for (const MapLandmark& landmark : scene.landmarks) bounds.Add(landmark.at);
+  // Those of a map that is still being made move far.
+  for (const std::vector<Point>& round : scene.rounds)
+    for (const Point& point : round)
+      if (scene.paths.empty()) bounds.Add(point);
   for (const Point& point : scene.truth_landmarks) bounds.Add(point);
   for (const Point& point : scene.edges) bounds.Add(point);
   for (const auto& [a, b] : scene.truth_walls) {

@@ -9,6 +9,7 @@
 #include "pipelines/forward_map/plan.h"
 #include "pipelines/forward_map/tile_task.h"
 #include "schema/error.h"
+#include "schema/kinds/map_so_far.h"
 
 namespace cairn::forward_map {
 namespace {
@@ -187,6 +188,17 @@ class Turn {
     Share(kEvidenceBlob, cairn::BlobOf(evidence));
     const BlobPtr history = inputs_.Has(kHistoryBlob) ? inputs_.Get(kHistoryBlob) : nullptr;
     Share(kHistoryBlob, WithRow(history.get(), SumOf(evidence), target, map_));
+    step_.plan.mutable_state()->set_so_far(step_.Share(SoFar()));
+  }
+
+  // For people to look at while the stage runs.
+  Blob SoFar() const {
+    kinds::MapSoFar map;
+    map.history = FieldsIn<kinds::MapSoFar::History>("history/", *BlobOf(kHistoryBlob));
+    map.what = fmt::format("map {}, of search {}", map.history.log_likelihood.size(), schedule_.searches);
+    map.map.grid.occupied = {Shape{map_.box.rows, map_.box.columns}, map_.occupied};
+    static_cast<kinds::GridPlace&>(map.map.grid) = kinds::GridPlace::Of(map_.box);
+    return cairn::BlobOf(map);
   }
 
   void Share(const char* name, Blob blob) {

@@ -84,6 +84,21 @@ TEST(ForwardMap, TheTargetNeverFalls) {
   for (std::size_t i = 1; i < target.size(); ++i) EXPECT_GT(target[i], target[i - 1]);
 }
 
+TEST(ForwardMap, ShowsItsMapAsItComesIntoBeing) {
+  const auto log = std::make_shared<const Blob>(Room{}.Log());
+  const ForwardMap pipeline(At(0.1), 1);
+  const std::vector<BlobPtr> maps = MapsSoFar(pipeline, {{"log", log}});
+  ASSERT_GT(maps.size(), 1U);
+  const auto count = [](const Blob& map, const char* name) {
+    const auto occupied = map.Get<std::uint8_t>(name);
+    return std::ranges::count(occupied, 1);
+  };
+  EXPECT_EQ(count(*maps.front(), "so_far/map/grid/occupied"), 0) << "it begins with nothing";
+  const BlobPtr result = RunInProcess(pipeline, {{"log", log}});
+  EXPECT_EQ(count(*maps.back(), "so_far/map/grid/occupied"), count(*result, "map/grid/occupied"));
+  EXPECT_EQ(maps.back()->Scalar<double>("so_far/map/grid/cell_m"), 0.1);
+}
+
 // By the model as it is written in forward_model.h, on the map and with the parameters of the result.
 TEST(ForwardMap, ItsLogLikelihoodIsThatOfItsMap) {
   const Room room{.opening_rad = 0.26};

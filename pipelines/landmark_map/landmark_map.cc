@@ -23,6 +23,7 @@
 #include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/search.h"
 #include "pipelines/landmark_map/slice_task.h"
+#include "pipelines/landmark_map/so_far.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -140,7 +141,10 @@ Blob LandmarkMap::Run(const Task& task, const Inputs& inputs, Progress& progress
 cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
   if (options_.incremental) return IncrementalResult(options_, state, partials, inputs);
   const auto trials = FirstRobotTrials::Load(state, inputs.Get("log")->Texts("robots").size());
-  return trials ? AdvanceTrial(*trials, state, partials, inputs) : AdvanceFrom(state, partials, inputs);
+  cairn::Step step =
+      trials ? AdvanceTrial(*trials, state, partials, inputs) : AdvanceFrom(state, partials, inputs);
+  if (step.plan.result().empty()) ShowSoFar(state, inputs, &step);
+  return step;
 }
 
 cairn::Step LandmarkMap::AdvanceTrial(FirstRobotTrials trials, const State& state, Partials& partials,

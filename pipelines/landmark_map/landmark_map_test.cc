@@ -311,5 +311,35 @@ TEST(LandmarkMap, BeliefsAreThoseOfThePoses) {
   }
 }
 
+// Of each iteration its landmarks, beside those of all before it.
+TEST(LandmarkMap, ShowsItsMapAsItComesIntoBeing) {
+  SquareLog log{.laps = 4, .ranged = true, .identified = true};
+  const auto input = std::make_shared<const Blob>(log.Make());
+  const std::vector<BlobPtr> maps = MapsSoFar(LandmarkMap({}), {{"log", input}});
+  ASSERT_GT(maps.size(), 2U);
+  std::size_t iterations = 0;
+  for (const BlobPtr& map : maps) {
+    const std::size_t now = map->Get<double>("so_far/history/log_likelihood").size();
+    EXPECT_GE(now, iterations);
+    iterations = now;
+    EXPECT_TRUE(map->Text("so_far/what").starts_with("iteration ")) << map->Text("so_far/what");
+  }
+  EXPECT_GT(iterations, 2U);
+  const auto x = maps.back()->Get<double>("so_far/map/landmark_x_m");
+  EXPECT_EQ(x.size(), 4U);
+  const auto identity = maps.back()->Get<std::int32_t>("so_far/map/landmark_identity");
+  EXPECT_EQ(std::vector<std::int32_t>(identity.begin(), identity.end()),
+            (std::vector<std::int32_t>{0, 1, 2, 3}));
+}
+
+TEST(LandmarkMap, OfSeveralStartsItShowsTheLikeliest) {
+  SquareLog log{.laps = 4, .side_m = 20.0, .drift_rad_per_m = 0.002};
+  const auto input = std::make_shared<const Blob>(log.Make());
+  const std::vector<BlobPtr> maps = MapsSoFar(LandmarkMap({.cell_m = 0.5, .starts = 3}), {{"log", input}});
+  ASSERT_GT(maps.size(), 2U);
+  EXPECT_TRUE(maps.front()->Text("so_far/what").starts_with("start ")) << maps.front()->Text("so_far/what");
+  EXPECT_EQ(maps.back()->Get<double>("so_far/map/landmark_x_m").size(), 4U);
+}
+
 }  // namespace
 }  // namespace cairn::landmark_map

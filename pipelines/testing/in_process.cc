@@ -58,4 +58,41 @@ BlobPtr RunInProcess(const Pipeline& pipeline, const std::map<std::string, BlobP
   }
 }
 
+namespace {
+
+class ShownMaps : public Pipeline {
+ public:
+  explicit ShownMaps(const Pipeline& of) : of_(of) {}
+  Step Start(const Inputs& inputs) const override { return Seen(of_.Start(inputs)); }
+  Blob Run(const Task& task, const Inputs& inputs, Progress& progress) const override {
+    return of_.Run(task, inputs, progress);
+  }
+  Step Advance(const State& state, Partials& partials, const Inputs& inputs) const override {
+    return Seen(of_.Advance(state, partials, inputs));
+  }
+  std::vector<BlobPtr> maps() const { return maps_; }
+
+ private:
+  Step Seen(Step step) const {
+    for (const BlobPtr& blob : step.blobs)
+      if (blob->ContentHash().Binary() == step.plan.state().so_far()) maps_.push_back(blob);
+    return step;
+  }
+
+  const Pipeline& of_;
+  mutable std::vector<BlobPtr> maps_;
+};
+
+}  // namespace
+
+std::vector<BlobPtr> MapsSoFar(const Pipeline& pipeline, const std::map<std::string, BlobPtr>& inputs) {
+  const ShownMaps shown(pipeline);
+  RunInProcess(shown, inputs);
+  for (const BlobPtr& map : shown.maps()) {
+    if (KindOf(*map) != "map_so_far") throw InputError("what is shown is " + WithArticle(KindOf(*map)));
+    CheckKind(*map, "map_so_far");
+  }
+  return shown.maps();
+}
+
 }  // namespace cairn

@@ -51,4 +51,8 @@ MapInputs InputsOfRound(const proto::State& state, const BlobsByHash& store,
 BlobPtr RunInProcess(const Pipeline& pipeline, const std::map<std::string, BlobPtr>& inputs,
                      const std::function<void(const proto::Step&)>& on_step = {});
 
+// The maps that people are shown while it runs (State.so_far), one after the other; each is checked as who
+// fetches it does.
+std::vector<BlobPtr> MapsSoFar(const Pipeline& pipeline, const std::map<std::string, BlobPtr>& inputs);
+
 }  // namespace cairn

@@ -6,12 +6,16 @@
 #include "schema/kinds/learning.h"
 #include "schema/kinds/local_map.h"
 #include "schema/kinds/log.h"
+#include "schema/kinds/map_so_far.h"
 #include "schema/kinds/provenance.h"
 
 namespace cairn {
 namespace {
 
+constexpr std::string_view kSoFar = "map_so_far";
+
 constexpr Kind kKinds[] = {
+    {.name = kSoFar, .mark = "so_far/what", .arrays = ArraysOf<kinds::MapSoFar>},
     {.name = "landmark_map", .mark = "map/landmark_x_m", .arrays = ArraysOf<kinds::LandmarkMap>},
     {.name = "grid_map", .mark = "map/grid/probability", .arrays = ArraysOf<kinds::GridMap>},
     {.name = "networks",
@@ -72,6 +76,7 @@ void CheckKind(const Blob& blob, std::string_view name) {
 void CheckInput(const Blob& blob, const std::string& role) {
   try {
     const std::string kind = KindOf(blob);
+    if (kind == kSoFar) throw InputError("it is " + WithArticle(kind));
     CheckKind(blob, kind);
     if (role != kind && FindKind(role) != nullptr) CheckKind(blob, role);
   } catch (const InputError& error) {
@@ -81,7 +86,8 @@ void CheckInput(const Blob& blob, const std::string& role) {
 
 std::string WithArticle(std::string_view name) {
   const Kind* kind = FindKind(name);
-  return (kind != nullptr && kind->is_plural ? "" : "a ") + std::string(name);
+  const char* const but = name == kSoFar ? " (a map that is still being made: no result)" : "";
+  return (kind != nullptr && kind->is_plural ? "" : "a ") + std::string(name) + but;
 }
 
 std::string IsNeeded(std::string_view name) {

@@ -12,6 +12,7 @@
 #include "schema/kinds/learning.h"
 #include "schema/kinds/local_map.h"
 #include "schema/kinds/log.h"
+#include "schema/kinds/map_so_far.h"
 
 namespace cairn {
 namespace {
@@ -124,8 +125,9 @@ Blob Filled(std::span<const ArraySpec> specs) {
 
 template <class K>
 class Struct : public testing::Test {};
-using Structs = testing::Types<kinds::Log, kinds::Poses, kinds::LandmarkMap, kinds::GridMap, kinds::LocalMap,
-                               kinds::Samples, kinds::Errors, kinds::Networks, kinds::Localization>;
+using Structs =
+    testing::Types<kinds::Log, kinds::Poses, kinds::LandmarkMap, kinds::GridMap, kinds::LocalMap,
+                   kinds::Samples, kinds::Errors, kinds::Networks, kinds::Localization, kinds::MapSoFar>;
 TYPED_TEST_SUITE(Struct, Structs);
 
 TYPED_TEST(Struct, HoldsWhatItsFileDoes) {
@@ -192,10 +194,25 @@ TEST(KindOf, GoesByTheArraysThatAKindMustHave) {
   EXPECT_EQ(KindOf(blob), "grid_map");
   blob.PutVector<double>("map/landmark_x_m", {});
   EXPECT_EQ(KindOf(blob), "landmark_map");
+  blob.Put("so_far/what", Array::Text("iteration 3"));
+  EXPECT_EQ(KindOf(blob), "map_so_far");
+}
+
+TEST(CheckInput, TakesNoMapThatIsStillBeingMade) {
+  Blob blob;
+  blob.PutVector<double>("robot/0/poses/time_s", {0});
+  EXPECT_NO_THROW(CheckInput(blob.Without("robot/"), "map"));
+  blob.Put("so_far/what", Array::Text("iteration 3"));
+  try {
+    CheckInput(blob, "map");
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "input 'map': it is a map_so_far (a map that is still being made: no result)");
+  }
 }
 
 TEST(Kinds, AreFoundByNameAndSpokenOf) {
-  EXPECT_EQ(Kinds().size(), 9U);
+  EXPECT_EQ(Kinds().size(), 10U);
   for (const Kind& kind : Kinds()) EXPECT_EQ(FindKind(kind.name), &kind);
   EXPECT_EQ(FindKind("checkpoint"), nullptr);
   EXPECT_EQ(WithArticle("log"), "a log");

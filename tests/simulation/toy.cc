@@ -56,9 +56,11 @@ ToyAnswer Plan(const proto::Stage& stage, const Hash& basis, std::int64_t round)
   proto::State& state = *answer.step.mutable_state();
   (*state.mutable_scalars())["round"].set_i(round);
   (*state.mutable_blobs())["kept"] = kept.Binary();
+  const Hash shown = Mix("shown", {basis.Binary()});
+  state.set_so_far(shown.Binary());
   PlanTasks(answer.step, basis, Option(stage, "tasks"), shared);
   answer.step.set_note("round " + std::to_string(round));
-  answer.blobs = {shared, kept};
+  answer.blobs = {shared, kept, shown};
   return answer;
 }
 

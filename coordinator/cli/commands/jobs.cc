@@ -33,8 +33,9 @@ struct JobsArguments {
   std::string out;                // results
   JobChoice choice;               // list, results: only those
   bool json = false;
-  bool check = false;  // status
-  bool force = false;  // results
+  bool check = false;                   // status
+  bool force = false;                   // results
+  bool so_far = false, inputs = false;  // results
 };
 
 int List(const JobsArguments& options, const Invocation&) {
@@ -136,12 +137,46 @@ void SayWhatIsMissing(const wire::JobInfo& job, std::size_t stages) {
                 job.stages());
 }
 
+// What there is to see of a job's stage under way, as files of their own, which may replace earlier ones. A
+// worker made it, and nobody has looked at it yet.
+std::map<std::string, BlobPtr> TakeSoFar(coordinator::Client& client, const std::string& job,
+                                         coordinator::ResultsFacts* facts) {
+  std::map<std::string, BlobPtr> named;
+  for (const auto& [stage, blob] : Take(client.SoFar(job, facts))) {
+    if (KindOf(*blob) != "map_so_far")
+      throw InputError("job " + job + ": what its stage '" + stage + "' shows is no map_so_far");
+    CheckKind(*blob, "map_so_far");
+    named[stage + "-so-far"] = blob;
+  }
+  if (named.empty())
+    throw InputError("job " + job + " shows nothing " +
+                     (facts->job.state() == "done" ? "but its results: leave out --so-far"
+                                                   : "yet, or its pipeline shows nothing on its way"));
+  return named;
+}
+
+std::map<std::string, BlobPtr> TakeInputs(coordinator::Client& client, const std::string& job,
+                                          coordinator::ResultsFacts* facts) {
+  std::map<std::string, BlobPtr> inputs = Take(client.Inputs(job, facts));
+  if (inputs.empty())
+    throw InputError("the inputs of job " + job + " are not kept any more: it is " + facts->job.state());
+  return inputs;
+}
+
+bool IsSoFar(const std::string& file) {
+  const auto listed = ListBlobFile(file);
+  return listed.ok() && listed.value().kind == "map_so_far";
+}
+
 // A file a stage, and the pages of what came: the log, for raw odometry and truth, stays with who has it.
 // What is there already and is another is only replaced by force, and else none is written.
-void Fetch(coordinator::Client& client, const std::string& job, const fs::path& folder, bool force,
-           FetchedText& text) {
+void Fetch(coordinator::Client& client, const std::string& job, const fs::path& folder,
+           const JobsArguments& options, FetchedText& text) {
+  const bool force = options.force;
   coordinator::ResultsFacts facts;
-  const std::map<std::string, BlobPtr> results = Take(client.Results(job, &facts));
+  const std::map<std::string, BlobPtr> results = options.so_far   ? TakeSoFar(client, job, &facts)
+                                                 : options.inputs ? TakeInputs(client, job, &facts)
+                                                                  : Take(client.Results(job, &facts));
   if (results.empty())
     throw InputError(facts.damaged.empty()
                          ? WhyNoResults(facts.job)
@@ -153,12 +188,13 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
   RemoveLeftovers(folder);
   for (const auto& [stage, blob] : results) {
     const std::string file = (folder / (stage + ".h5")).string();
-    if (!force && fs::exists(fs::symlink_status(file)) && !Holds(file, *blob))
+    if (!force && fs::exists(fs::symlink_status(file)) && !Holds(file, *blob) &&
+        !(options.so_far && IsSoFar(file)))
       throw InputError("'" + file + "' is there already, and is not this result (--force replaces it)");
   }
   std::vector<std::string> names;
   for (const auto& [stage, blob] : results) names.push_back(stage);
-  if (!force) CheckPagesAreOurs(folder.string(), names, JobOf(*results.begin()->second));
+  if (!force && !options.inputs) CheckPagesAreOurs(folder.string(), names, JobOf(*results.begin()->second));
   std::vector<ScoredStage> stages;
   text.AddJob(facts.job);
   for (const auto& [stage, blob] : results) {
@@ -168,6 +204,7 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
     text.AddFile(file, kind);
     stages.push_back({.name = stage, .kind = kind, .result = blob});
   }
+  if (options.inputs) return;
   SortByJob(&stages);
   const WrittenPages written = WritePages(folder, stages);
   for (const std::string& picture : written.pictures)
@@ -176,7 +213,7 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
   if (!facts.damaged.empty())
     throw InputError("job " + job + ": what can be read is in '" + folder.string() + "'; it lacks " +
                      facts.damaged);
-  if (!text.as_json()) SayWhatIsMissing(facts.job, results.size());
+  if (!text.as_json() && !options.so_far) SayWhatIsMissing(facts.job, results.size());
 }
 
 // Of one job into --out itself; of many each into a folder of its own there.
@@ -184,6 +221,8 @@ int Results(const JobsArguments& options, const Invocation&) {
   coordinator::Client client = ConnectClient(options.client);
   std::vector<std::string> jobs = options.jobs;
   const bool by_name = !options.choice.name.empty();
+  if (by_name && (options.so_far || options.inputs))
+    throw InputError("--so-far and --inputs are of jobs that are named by their ids");
   if (by_name == !jobs.empty()) throw InputError("name the jobs, or say --name PATTERN");
   if (by_name)
     for (const wire::JobInfo& job : Chosen(options.choice, Take(client.List()).jobs))
@@ -192,10 +231,11 @@ int Results(const JobsArguments& options, const Invocation&) {
   FetchedText text(options.json);
   try {
     for (const std::string& job : jobs) {
-      const fs::path folder = options.out.empty()          ? fs::path(job)
+      const char* const what = options.so_far ? "-so-far" : options.inputs ? "-inputs" : "";
+      const fs::path folder = options.out.empty()          ? fs::path(job + what)
                               : by_name || jobs.size() > 1 ? fs::path(options.out) / job
                                                            : fs::path(options.out);
-      Fetch(client, job, folder, options.force, text);
+      Fetch(client, job, folder, options, text);
     }
   } catch (...) {
     text.Print();  // what has come all the same
@@ -238,11 +278,19 @@ void AddJobs(Command app, Invocation& call) {
       .Excludes(job)
       .Excludes(json);
 
-  options = AddClientCommand(app, call, "results",
-                             "Fetches the results of a job, a file a stage, with pictures and a page",
-                             "cairn results 1-museum --out museum", Results, &command);
+  options = AddClientCommand(
+      app, call, "results", "Fetches the results of a job, a file a stage, with pictures and a page",
+      "cairn results 1-museum --out museum\n  cairn results 2-hall --so-far", Results, &command);
   command.Add("JOB", options->jobs, "Ids; of several each goes into a folder of its own");
   command.Add("--name", options->choice.name, "All that are done whose name matches this pattern");
+  const Argument so_far = command.AddFlag(
+      "--so-far", options->so_far,
+      "In place of results, the map of the stage under way as its last round left it: to look at, "
+      "and no result");
+  command
+      .AddFlag("--inputs", options->inputs,
+               "In place of results, what a job of one's own was given, until it is done or cancelled")
+      .Excludes(so_far);
   command.Add("--out", options->out, "Folder to write to (the job's id)");
   command.AddFlag("--force", options->force, "Replace files that are there already and hold something else");
   command.AddFlag("--json", options->json, "What was written, as JSON");

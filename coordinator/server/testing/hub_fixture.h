@@ -137,6 +137,8 @@ class FakeTransport : public Transport {
       input.set_blob(shared);
     }
     (*done.mutable_step()->mutable_state()->mutable_blobs())["shared"] = shared;
+    message.blobs.push_back(TextBlob("a map of round " + std::to_string(assign.key().round())));
+    done.mutable_step()->mutable_state()->set_so_far(message.blobs[1].hash.Binary());
     return message;
   }
 

@@ -174,6 +174,13 @@ std::string MovedHtml(const Blob& map) {
 
 }  // namespace
 
+std::string GridSoFarHtml(const Blob& map) {
+  return SectionHtml("Map", LayerHtml(map, MapLayer::kProbability, "Map so far", {},
+                                      {SwatchEntry(kPaper, "free"), SwatchEntry(kBlack, "occupied")},
+                                      "The map that the search holds. What it does not know yet is free.")) +
+         SectionHtml("Convergence", HistoryHtml(map));
+}
+
 std::string GridMapHtml(const Blob& map, const Blob* log, const GridEvaluation* evaluation) {
   const Scene scene = GridSceneOf(map, log, evaluation);
   std::vector<LegendEntry> legend = ProbabilityLegend();

@@ -147,6 +147,27 @@ class MapViewer {
     this.canvas.height = height * ratio;
     if (this.whole) this.reset(); else this.draw();
   }
+  // What look() takes in a picture of the same place; the last iteration is the last there, too.
+  looking() {
+    return {...this.toMetres({x: this.size.width / 2, y: this.size.height / 2}), whole: this.whole,
+      perMetre: this.scale / this.metres.perUnit, round: this.round, hidden: this.layers.filter((l) => !l.shown).map((l) => l.name)};
+  }
+  look(at) {
+    for (const check of this.root.querySelectorAll(".viewer-layers input"))
+      if (at.hidden.includes(check.parentElement.textContent)) check.click();
+    const slider = this.root.querySelector('input[aria-label="Iteration"]');
+    if (slider && at.round !== null) {
+      slider.value = at.round;
+      slider.dispatchEvent(new Event("input"));
+    }
+    if (at.whole || !(at.perMetre > 0)) return;
+    const there = this.toUnits(at.x, at.y), {width, height} = this.size;
+    this.scale = at.perMetre * this.metres.perUnit;
+    this.x = there.x - width / 2 / this.scale;
+    this.y = there.y - height / 2 / this.scale;
+    this.whole = false;
+    this.draw();
+  }
   toMetres(at) {
     const m = this.metres, p = this.panel;
     return {x: m.x + (this.x + at.x / this.scale - p.left) * m.perUnit,

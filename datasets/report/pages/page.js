@@ -7,6 +7,15 @@ for (const figure of document.querySelectorAll("figure")) {
     button("PNG", "Save this picture as PNG", () => savePng(svg))));
   if (svg.hasAttribute("data-panel")) viewers.set(figure, new MapViewer(svg, figure));
 }
+// In a frame of the page of a job that runs the next map takes this one's place: where one looked is where one looks.
+if (window !== window.top) {
+  const mark = "cairn ", all = [...viewers.values()];
+  if (window.name.startsWith(mark)) {
+    const kept = JSON.parse(window.name.slice(mark.length));
+    all.forEach((viewer, i) => kept[i] && viewer.look(kept[i]));
+  }
+  addEventListener("pagehide", () => { window.name = mark + JSON.stringify(all.map((viewer) => viewer.looking())); });
+}
 for (const pair of document.querySelectorAll(".beside")) {
   const [left, right] = [...pair.children].map((side) => [...side.querySelectorAll("figure")].filter((f) => viewers.has(f)));
   left.forEach((figure, i) => right[i] && viewers.get(figure).link(viewers.get(right[i])));

@@ -18,6 +18,12 @@ namespace cairn::datasets::report {
 std::string LandmarkMapHtml(const Blob& result, const Blob* log, const Evaluation* evaluation);
 std::string GridMapHtml(const Blob& map, const Blob* log, const GridEvaluation* evaluation);
 
+// Of a map_so_far. Its map, which the picture is of, as a landmark_map or a grid_map would have it.
+std::string SoFarHtml(const Blob& so_far);
+Blob MapOfSoFar(const Blob& so_far);
+// The map and its history, of such a map of cells.
+std::string GridSoFarHtml(const Blob& map);
+
 std::string LocalHtml(const Blob& result, const Blob* log, const LocalEvaluation* evaluation);
 // The paths, edges and loops of a local_map; with `log` raw odometry from each path's first pose on, with
 // `evaluation` too true walls and paths.
