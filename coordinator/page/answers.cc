@@ -1,6 +1,7 @@
 #include "coordinator/page/answers.h"
 
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
 #include "coordinator/page/html.h"
@@ -13,7 +14,7 @@ using coordinator::HttpAnswer;
 HttpAnswer WithHeaders(HttpAnswer answer, const char* policy) {
   for (const auto& [name, value] : std::initializer_list<std::pair<const char*, const char*>>{
            {"Content-Security-Policy", policy},
-           {"X-Frame-Options", "DENY"},
+           {"X-Frame-Options", std::string_view(policy) == kFramedReportPolicy ? "SAMEORIGIN" : "DENY"},
            {"X-Content-Type-Options", "nosniff"},
            {"Referrer-Policy", "same-origin"},
            {"Cross-Origin-Opener-Policy", "same-origin"},

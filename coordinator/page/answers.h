@@ -16,6 +16,11 @@ inline constexpr const char* kReportPolicy =
     "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline'; style-src "
     "'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
+// The same within a page of ours.
+inline constexpr const char* kFramedReportPolicy =
+    "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline'; style-src "
+    "'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
+
 coordinator::HttpAnswer WithHeaders(coordinator::HttpAnswer answer, const char* policy = kPagePolicy);
 
 // A page that says one sentence, which is `html`.

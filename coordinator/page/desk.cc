@@ -147,6 +147,10 @@ void Desk::Keep(const std::shared_ptr<Upload>& upload,
     const std::lock_guard lock(mutex_);
     files_.push_back(file);
   }
+  LookAt(file, [number = file.number, then] { then(number, ""); });
+}
+
+void Desk::LookAt(const BroughtFile& file, std::function<void()> then) {
   Run(&planning_, &plans_, {"inspect", "--json", "--", std::to_string(file.number) + "/" + file.name},
       kMostPlanning_s, [this, number = file.number, then](const Helper::Outcome& said) {
         {
@@ -159,7 +163,61 @@ void Desk::Keep(const std::shared_ptr<Upload>& upload,
             here->trouble = said.trouble;
           }
         }
-        then(number, "");
+        then();
+      });
+}
+
+// Into folders of their own, as files that people bring. A sentence where there is no room for all.
+std::string Desk::TakeOver(const std::string& job, const fs::path& folder, std::vector<BroughtFile>* taken) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (it->path().extension() == ".h5") found.push_back(it->path());
+  std::ranges::sort(found);
+  const std::lock_guard lock(mutex_);
+  std::uint64_t bytes = 0;
+  for (const fs::path& file : found) bytes += fs::file_size(file, error);
+  if (files_.size() + found.size() > kMostFiles)
+    return "There are many files here already: remove one that is not needed.";
+  if (bytes > options_.most_bytes - bytes_) return NoRoom(options_.most_bytes);
+  for (const fs::path& file : found) {
+    BroughtFile brought{.number = ++numbers_,
+                        .name = PlainName(job + "-" + file.filename().string()),
+                        .bytes = fs::file_size(file, error)};
+    const fs::path own = folder_.path() / "files" / std::to_string(brought.number);
+    fs::create_directory(own, error);
+    if (!error) fs::rename(file, own / brought.name, error);
+    if (error) return "It cannot be kept here: " + error.message() + ".";
+    bytes_ += brought.bytes;
+    files_.push_back(brought);
+    taken->push_back(brought);
+  }
+  return "";
+}
+
+void Desk::FromJob(const std::string& job, bool inputs,
+                   std::function<void(std::uint64_t, const std::string&)> then) {
+  if (job.empty()) return then(0, "Say which job.");
+  std::string folder;
+  {
+    const std::lock_guard lock(mutex_);
+    folder = std::to_string(++numbers_);
+  }
+  std::vector<std::string> words = {"results", "--out=" + folder};
+  if (inputs) words.emplace_back("--inputs");
+  words.insert(words.end(), options_.service.begin(), options_.service.end());
+  words.insert(words.end(), {"--", job});
+  Run(&submitting_, &submits_, std::move(words), kMostPlanning_s,
+      [this, job, folder, then](const Helper::Outcome& said) {
+        std::vector<BroughtFile> taken;
+        const fs::path from = folder_.path() / "files" / folder;
+        std::string trouble = said.trouble;
+        if (trouble.empty()) trouble = TakeOver(job, from, &taken);
+        std::error_code ignored;
+        fs::remove_all(from, ignored);
+        if (taken.empty()) return then(0, trouble.empty() ? "There is nothing of it to take." : trouble);
+        for (std::size_t i = 0; i + 1 < taken.size(); ++i) LookAt(taken[i], [] {});
+        LookAt(taken.back(), [number = taken.front().number, then] { then(number, ""); });
       });
 }
 

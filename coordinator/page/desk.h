@@ -98,6 +98,10 @@ class Desk {
   // Of an upload that has come whole: its number, once it was looked at; 0 with the reason where it is none.
   void Keep(const std::shared_ptr<Upload>& upload,
             std::function<void(std::uint64_t, const std::string&)> then);
+  // The results of a job, or what it was given, each a file here: the number of the first, or 0 with the
+  // reason.
+  void FromJob(const std::string& job, bool inputs,
+               std::function<void(std::uint64_t, const std::string&)> then);
   std::vector<BroughtFile> Files();
   void Remove(std::uint64_t number);
   // The file of that number, as a form says it; empty: there is none.
@@ -115,7 +119,9 @@ class Desk {
   std::string WhyNoRoom(std::uint64_t announced, const std::string& whose) const;  // empty: there is
   bool Grow(std::uint64_t bytes);                                                  // false: there is no room
   void Shrink(std::uint64_t bytes);
-  void LookAt(const BroughtFile& file);
+  void LookAt(const BroughtFile& file, std::function<void()> then);
+  std::string TakeOver(const std::string& job, const std::filesystem::path& folder,
+                       std::vector<BroughtFile>* taken);
   std::string PathOf(std::uint64_t number);
   std::vector<std::string> WordsOf(const JobOrder& order, std::string* trouble);
   void Run(Errands* errands, Helper* helper, std::vector<std::string> words, double most_s, const Said& then);

@@ -216,5 +216,40 @@ TEST_F(DeskTest, EndsThoughAPlanHangsAndItsFilesGoWithIt) {
   EXPECT_TRUE(fs::is_empty(script_.base() / "cache"));
 }
 
+TEST_F(DeskTest, WhatAJobWasMadeOfAndWhatItMadeAreTakenFromTheCoordinator) {
+  Make(
+      "case $1 in results) OUT=${2#--out=}; mkdir \"$OUT\"; printf 12345 >\"$OUT/map.h5\"; printf 12 "
+      ">\"$OUT/walls.h5\"; touch \"$OUT/report.html\";; *) " +
+      std::string(kSaysLog) + ";; esac");
+  const auto take = [this](const std::string& job, bool inputs) {
+    std::promise<std::pair<std::uint64_t, std::string>> taken;
+    desk_->FromJob(job, inputs, [&](std::uint64_t number, const std::string& trouble) {
+      taken.set_value({number, trouble});
+    });
+    return taken.get_future().get();
+  };
+  const auto [number, trouble] = take("3-hall", true);
+  EXPECT_EQ(trouble, "");
+  ASSERT_EQ(desk_->Files().size(), 2u);
+  const BroughtFile file = desk_->Files()[0];
+  EXPECT_EQ(file.number, number);
+  EXPECT_EQ(file.name, "3-hall-map.h5");
+  EXPECT_EQ(file.bytes, 5u);
+  EXPECT_EQ(file.Kind(), "log");
+  EXPECT_EQ(FilesOnDisk(), 2u) << "nothing else of it stays";
+  EXPECT_NE(script_.Words().find(" --inputs --connect=ipc:///x/y -- 3-hall\n"), std::string::npos)
+      << script_.Words();
+  script_.Forget();
+  take("--evil", false);
+  EXPECT_EQ(script_.Words().find("--inputs"), std::string::npos);
+  EXPECT_NE(script_.Words().find(" -- --evil\n"), std::string::npos) << "an id is never taken for an option";
+  EXPECT_EQ(take("", true).second, "Say which job.");
+  Make("mkdir \"${2#--out=}\"; printf 0123456789 >\"${2#--out=}/map.h5\"", 9);
+  EXPECT_NE(take("3-hall", true).second.find("There is room for"), std::string::npos);
+  EXPECT_EQ(FilesOnDisk(), 0u);
+  Make("echo 'cairn: cannot hand out the inputs of 3-hall: it belongs to ann' >&2; exit 1");
+  EXPECT_EQ(take("3-hall", true).second, "cannot hand out the inputs of 3-hall: it belongs to ann");
+}
+
 }  // namespace
 }  // namespace cairn::page

@@ -52,8 +52,9 @@ void FleetTimes::Add(const std::vector<wire::WorkerInfo>& workers, double now_s)
 }
 
 const wire::JobInfo* Facts::Find(const std::string& job) const {
-  const auto found = std::ranges::find(list.jobs, job, [](const wire::JobInfo& info) { return info.id(); });
-  return found == list.jobs.end() ? nullptr : &*found;
+  if (const auto since = newer.find(job); since != newer.end()) return &since->second;
+  const auto found = std::ranges::find(list->jobs, job, [](const wire::JobInfo& info) { return info.id(); });
+  return found == list->jobs.end() ? nullptr : &*found;
 }
 
 bool IsOver(const wire::JobInfo& job) {

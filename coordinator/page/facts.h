@@ -39,9 +39,12 @@ class FleetTimes {
 };
 
 struct Facts {
-  std::uint64_t number = 0;   // another each time that something was asked
-  bool known = false;         // the coordinator has answered once
-  coordinator::JobList list;  // those that are not over first, of each the latest first
+  std::uint64_t number = 0;  // another each time that something was asked
+  bool known = false;        // the coordinator has answered once
+  // Those that are not over first, of each the latest first. Shared: it is long, and asked for more rarely
+  // than all else.
+  std::shared_ptr<coordinator::JobList> list = std::make_shared<coordinator::JobList>();
+  std::map<std::string, wire::JobInfo> newer;  // of jobs that somebody looks at: as they stand since
   std::vector<wire::WorkerInfo> workers;
   FleetTimes times;
   std::string utc;      // when that was

@@ -47,6 +47,12 @@ std::string ButtonsHtml(const wire::JobInfo& job, bool may_command) {
          "</div>\n";
 }
 
+std::string StartAnotherHtml(const wire::JobInfo& job, bool may_start) {
+  return !may_start ? ""
+                    : "<p class=\"links\"><a href=\"/new?job=" + UrlPart(job.id()) +
+                          "\">Start another job from it</a></p>\n";
+}
+
 std::string HeadHtml(const wire::JobInfo& job, bool may_command) {
   return "<div class=\"title\"><h1>" + Text(job.name()) + "</h1>" + StateBadge(job.state()) + "</div>\n" +
          "<p class=\"id\">" + Text(job.id()) + "</p>\n" + ButtonsHtml(job, may_command);
@@ -147,13 +153,24 @@ std::string ResultHtml(const wire::JobInfo& job, const ResultFiles* results) {
          "\"></a></p>\n<p class=\"links\">" + links + "</p>\n";
 }
 
+// In a frame of its own: a report runs in an origin of its own.
+std::string SoFarHtml(const wire::JobInfo& job, const std::string& version) {
+  if (version.empty()) return "";
+  const std::string address = "/jobs/" + UrlPart(job.id()) + "/so-far?version=" + UrlPart(version);
+  return "<h2>Map so far</h2>\n<p>As the last rounds left it; another takes its place while the job runs. It "
+         "is no "
+         "result.</p>\n<iframe class=\"so-far\" title=\"Map so far of " +
+         Text(job.name()) + "\" src=\"" + address + "\" data-src=\"" + address +
+         "\" sandbox=\"allow-scripts allow-downloads\"></iframe>\n";
+}
+
 // Those that came last are offered; the id of any other may be written.
 std::string CompareHtml(const wire::JobInfo& job, const ViewContext& context) {
   constexpr std::size_t kMostNamed = 50;
   if (StagesDone(job) == 0) return "";
   std::string others, logs;
   std::size_t named = 0;
-  for (const wire::JobInfo& other : context.facts.list.jobs)
+  for (const wire::JobInfo& other : context.facts.list->jobs)
     if (&other != &job && StagesDone(other) > 0 && ++named <= kMostNamed)
       others += "<option value=\"" + Text(other.id()) + "\">" + Text(other.name()) + "</option>";
   if (others.empty()) return "";
@@ -262,10 +279,11 @@ Parts JobParts(const std::string& id, const ViewContext& context) {
           {"advice", AdviceHtml(*job, workers)},
           {"stages", StagesHtml(*job, context.history)},
           {"facts", FactsHtml(*job, workers)},
+          {"sofar", SoFarHtml(*job, context.so_far)},
           {"result", ResultHtml(*job, context.results) + CompareHtml(*job, context)},
           {"curves", context.history ? ChartsHtml(context.history->rounds()) : ""},
           {"times", running ? TimesHtml(context.facts.times, id) : ""},
-          {"failures", FailuresHtml(*job)},
+          {"failures", FailuresHtml(*job) + StartAnotherHtml(*job, context.may_start)},
           {"log", LogHtml(*job, context.history)}};
 }
 

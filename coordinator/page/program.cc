@@ -154,6 +154,10 @@ int Serve(const Arguments& a) {
   const auto watcher = std::make_shared<Watcher>(
       WatcherOptions{
           .client = ClientOf(a),
+          .unanswered = a.run.empty()
+                            ? ""
+                            : "The run does not answer: it is ending, or its machine is busy. This page "
+                              "will say when it is over.",
           .results = {.program = cli::CairnProgram(), .service = ServiceWords(a), .folder = folder}},
       [&woken] {
         if (coordinator::HttpServer* server = woken) server->Wake();
@@ -189,9 +193,9 @@ int Serve(const Arguments& a) {
                 ? "“cairn page” was stopped. Start it again, and open its link, to look on."
                 : "The run is over. What it left is in " + Escaped(a.run) + ", with its report.html.");
   server->Wake();
-  constexpr double kFarewell_s = 1;  // for those who look on to hear it
+  constexpr double kFarewell_s = 10;  // for those who look on to hear it, however slow their machine
   const double end_s = Clock_s() + kFarewell_s;
-  while (server->streams() > 0 && Clock_s() < end_s)
+  while ((server->streams() > 0 || site->AwaitsListeners()) && Clock_s() < end_s)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   woken = nullptr;
   server.reset();

@@ -12,6 +12,8 @@ std::string KeyOf(const std::string& job, std::uint32_t stages_done) {
   return job + "/" + std::to_string(stages_done);
 }
 
+std::string SoFarKey(const std::string& job) { return job + "/so far"; }
+
 FetchedResults LookInto(const fs::path& folder) {
   FetchedResults fetched{.folder = folder};
   std::error_code error;
@@ -71,6 +73,39 @@ std::shared_ptr<const FetchedResults> ResultsCache::Fetched(const std::string& j
   return kept == kept_.end() ? nullptr : kept->second;
 }
 
+std::shared_ptr<const FetchedResults> ResultsCache::SoFar(const std::string& job,
+                                                          const std::string& version) {
+  const std::lock_guard lock(mutex_);
+  if (running_.size() >= kMostKept && !running_.contains(job))
+    std::erase_if(running_, [](const auto& of) { return !of.second.under_way; });
+  OfRunning& of = running_[job];
+  if (of.version != version && !of.under_way && std::chrono::steady_clock::now() >= of.not_before)
+    of.under_way = errands_.Add([this, job, version] { BringSoFar(job, version); });
+  const auto kept = kept_.find(SoFarKey(job));
+  return kept == kept_.end() ? nullptr : kept->second;
+}
+
+void ResultsCache::BringSoFar(const std::string& job, const std::string& version) {
+  constexpr int kShare = 4;
+  const auto begin = std::chrono::steady_clock::now();
+  fs::path folder;
+  {
+    const std::lock_guard lock(mutex_);
+    folder = folder_.path() / std::to_string(++folders_);
+  }
+  const auto made = std::make_shared<const FetchedResults>(Bring(job, folder, {"--so-far"}));
+  const std::lock_guard lock(mutex_);
+  const auto end = std::chrono::steady_clock::now();
+  OfRunning& of = running_[job];
+  of = {.version = version, .under_way = false, .not_before = end + kShare * (end - begin)};
+  std::error_code ignored;
+  // What was there before stays where nothing came: the stage may just have ended.
+  if (made->trouble.empty())
+    Keep(SoFarKey(job), made);
+  else
+    fs::remove_all(folder, ignored);
+}
+
 void ResultsCache::Do(const std::string& key, const Make& make) {
   const std::shared_ptr<const FetchedResults> made = Made(key, make);
   std::vector<Then> waiting;
@@ -100,9 +135,11 @@ std::shared_ptr<const FetchedResults> ResultsCache::Made(const std::string& key,
 }
 
 // What came although not all did is shown.
-FetchedResults ResultsCache::Bring(const std::string& job, const fs::path& folder) {
+FetchedResults ResultsCache::Bring(const std::string& job, const fs::path& folder,
+                                   const std::vector<std::string>& more) {
   std::vector<std::string> words = {"results", "--out", folder.string()};
   words.insert(words.end(), options_.service.begin(), options_.service.end());
+  words.insert(words.end(), more.begin(), more.end());
   words.insert(words.end(), {"--", job});
   const std::string trouble = helper_.Run(words).trouble;
   FetchedResults fetched = LookInto(folder);

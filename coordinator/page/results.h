@@ -2,6 +2,7 @@
 // pictures, in a process of its own, so that nothing of what a result holds is read in this one.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -38,6 +39,9 @@ class ResultsCache {
   // `folder` holds the page, kComparison.
   void Compare(const Compared& what, Then then);
   std::shared_ptr<const FetchedResults> Fetched(const std::string& job, std::uint32_t stages_done);
+  // What came last of the map of the stage under way, null: nothing yet. Another `version` is fetched in its
+  // place, but so that no more than a part of the time goes there.
+  std::shared_ptr<const FetchedResults> SoFar(const std::string& job, const std::string& version);
 
  private:
   // In that folder, which goes again where there is trouble.
@@ -46,7 +50,9 @@ class ResultsCache {
   void Await(const std::string& key, const Make& make, const Then& then);
   void Do(const std::string& key, const Make& make);
   std::shared_ptr<const FetchedResults> Made(const std::string& key, const Make& make);
-  FetchedResults Bring(const std::string& job, const std::filesystem::path& folder);
+  FetchedResults Bring(const std::string& job, const std::filesystem::path& folder,
+                       const std::vector<std::string>& more = {});
+  void BringSoFar(const std::string& job, const std::string& version);
   FetchedResults MakeComparison(const Compared& what, const std::filesystem::path& folder);
   void Keep(const std::string& key, const std::shared_ptr<const FetchedResults>& fetched);
 
@@ -59,6 +65,12 @@ class ResultsCache {
   std::deque<std::string> order_;  // of those kept, the oldest first
   std::map<std::string, std::vector<Then>> awaited_;
   std::uint64_t folders_ = 0;
+  struct OfRunning {
+    std::string version;  // that was asked for last
+    bool under_way = false;
+    std::chrono::steady_clock::time_point not_before = {};
+  };
+  std::map<std::string, OfRunning> running_;  // jobs of which a map so far was asked for
 
   Errands errands_{32};  // the last to begin, the first to end
 };

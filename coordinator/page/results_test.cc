@@ -75,6 +75,31 @@ TEST_F(ResultsTest, WhatCameThoughNotAllDidIsShownAndFetchedAnewInItsPlace) {
   EXPECT_TRUE(fs::exists(second.folder));
 }
 
+// What is there stays until another is there, which takes its place; one that fails takes nobody's.
+TEST_F(ResultsTest, OfAJobThatRunsTheLatestMapIsKept) {
+  Make(kLeavesResults);
+  const auto until = [&](const std::string& version, const fs::path& but) {
+    for (;;) {
+      const auto map = cache_->SoFar("1-a", version);
+      if (map && map->folder != but) return *map;
+      std::this_thread::yield();
+    }
+  };
+  EXPECT_EQ(cache_->SoFar("1-a", "one"), nullptr);
+  const FetchedResults first = until("one", "");
+  EXPECT_TRUE(first.files.has_report);
+  EXPECT_NE(Words().find(" --so-far -- 1-a\n"), std::string::npos) << Words();
+  const FetchedResults second = until("two", first.folder);
+  EXPECT_FALSE(fs::exists(first.folder));
+  EXPECT_TRUE(fs::exists(second.folder));
+  script_.Forget();
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(cache_->SoFar("1-a", "two")->folder, second.folder);
+  EXPECT_EQ(Words(), "") << "it is here";
+  script_.Does("exit 2");
+  while (Words().empty()) EXPECT_EQ(cache_->SoFar("1-a", "three")->folder, second.folder);
+  EXPECT_EQ(cache_->SoFar("1-a", "three")->folder, second.folder);
+}
+
 TEST_F(ResultsTest, OfManyJobsTheLatestAreKept) {
   Make(kLeavesResults);
   const FetchedResults first = Fetch("0-a");

@@ -17,6 +17,7 @@ using coordinator::HttpAnswer;
 using coordinator::HttpRequest;
 
 constexpr double kSignOfLife_s = 10;
+constexpr double kListens_s = 5;  // after it was sent a page does, at the latest
 constexpr std::size_t kMostMade = 256;
 constexpr long kMostOfASession = 64;  // streams
 
@@ -133,6 +134,26 @@ void Site::End(const std::string& why) {
   farewell_ = why;
 }
 
+bool Site::AwaitsListeners() {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(awaited_, [now_s = now_s_()](const auto& of) { return now_s - of.second > kListens_s; });
+  return !awaited_.empty();
+}
+
+// One without a script never listens.
+void Site::NotePage(const HttpRequest& request) {
+  AwaitsListeners();
+  const std::lock_guard lock(mutex_);
+  if (awaited_.size() < kMostMade) awaited_.emplace_back(entrance_.FormToken(request), now_s_());
+}
+
+void Site::NoteListener(const HttpRequest& request) {
+  const std::lock_guard lock(mutex_);
+  const std::string token = entrance_.FormToken(request);
+  const auto page = std::ranges::find(awaited_, token, [](const auto& of) { return of.first; });
+  if (page != awaited_.end()) awaited_.erase(page);
+}
+
 std::string Site::Farewell() {
   const std::lock_guard lock(mutex_);
   return farewell_;
@@ -161,7 +182,7 @@ std::string Site::WhyNoStart() const {
   if (!start_ || options_.read_only) return "This page shows jobs, and starts none.";
   const FactsPtr facts = source_->Latest();
   if (!facts->known) return "The coordinator has not answered yet: load this page again.";
-  return facts->list.may_submit ? "" : "This page’s key may look on, and start no job.";
+  return facts->list->may_submit ? "" : "This page’s key may look on, and start no job.";
 }
 
 std::variant<std::shared_ptr<coordinator::HttpUpload>, HttpAnswer> Site::BeginUpload(
@@ -189,7 +210,7 @@ void Site::AnswerStart(const HttpRequest& request, const Reply& reply) {
     if (const std::string why = self->WhyNoStart(); !why.empty())
       return reply->Send(Sentence(403, "Not here", "<p>" + Text(why) + " <a href=\"/\">All jobs</a></p>"));
     if (posts) return self->start_->Post(request, token, reply);
-    self->start_->Get(request.path, token, reply);
+    self->start_->Get(request, token, reply);
   });
 }
 
@@ -219,7 +240,8 @@ void Site::AnswerGet(const HttpRequest& request, const Reply& reply) {
   if (path == "/compare") return AnswerComparison(request, reply);
   if (path == "/new" || path.starts_with("/new/")) return AnswerStart(request, reply);
   if (path == "/" || path == "/workers") {
-    source_->Look("", [self = shared_from_this(), view = ViewOf(path, request), reply] {
+    source_->Look("", [self = shared_from_this(), view = ViewOf(path, request), request, reply] {
+      self->NotePage(request);
       reply->Send(self->PageOf(view));
     });
     return;
@@ -228,6 +250,7 @@ void Site::AnswerGet(const HttpRequest& request, const Reply& reply) {
   if (!path.starts_with(jobs)) return reply->Send(NotHere());
   const std::string rest = path.substr(jobs.size());
   const std::size_t slash = std::min(rest.find('/'), rest.size());
+  if (slash == rest.size()) NotePage(request);
   AnswerJob(rest.substr(0, slash), rest.substr(slash), reply);
 }
 
@@ -237,6 +260,7 @@ void Site::AnswerJob(const std::string& job, const std::string& what, const Repl
     if (what.empty()) return reply->Send(self->PageOf({.kind = View::Kind::kJob, .job = job}));
     const FactsPtr facts = self->source_->Latest();
     if (facts->Find(job) == nullptr) return reply->Send(NotHere());
+    if (what == "/so-far") return self->AnswerSoFar(job, reply);
     if (what != "/log.txt") return self->AnswerFile(job, what, reply);
     std::string text;
     if (const HistoryPtr history = self->source_->HistoryOf(job))
@@ -270,6 +294,14 @@ void Site::AnswerComparison(const HttpRequest& request, const Reply& reply) {
       reply->Send(WithHeaders({.type = kHtml, .file = made.folder / kComparison}, kReportPolicy));
     });
   });
+}
+
+// What is shown is the one that is there, whatever version a page asks for.
+void Site::AnswerSoFar(const std::string& job, const Reply& reply) {
+  const auto so_far = source_->SoFar(job, source_->Latest()->Find(job)->so_far());
+  if (!so_far || !so_far->files.has_report)
+    return reply->Send(Sentence(404, "No map yet", "<p>There is no map of this job to see yet.</p>"));
+  reply->Send(WithHeaders({.type = kHtml, .file = so_far->folder / "report.html"}, kFramedReportPolicy));
 }
 
 void Site::AnswerFile(const std::string& job, const std::string& what, const Reply& reply) {
@@ -342,6 +374,7 @@ void Site::AnswerEvents(const HttpRequest& request, const Reply& reply) {
   if (!seat) of_session = seat = std::make_shared<int>();
   if (seat.use_count() > kMostOfASession)
     return reply->Send(Sentence(503, "Not live", "<p>Many pages are open.</p>"));
+  NoteListener(request);
   reply->Send(WithHeaders({.type = "text/event-stream",
                            .stream = std::make_shared<PartsStream>(
                                shared_from_this(), ViewOf(request.Query("for"), request), std::move(seat))}));
@@ -370,12 +403,15 @@ std::shared_ptr<const Parts> Site::PartsFor(const View& view) {
   const bool of_job = view.kind == View::Kind::kJob;
   const wire::JobInfo* job = of_job ? facts->Find(view.job) : nullptr;
   const HistoryPtr history = job != nullptr ? source_->HistoryOf(view.job) : nullptr;
+  const auto so_far =
+      job != nullptr && !job->so_far().empty() ? source_->SoFar(view.job, job->so_far()) : nullptr;
+  const std::string version = so_far ? so_far->folder.filename().string() : "";
   const auto fetched = job != nullptr ? source_->Fetched(view.job, StagesDone(*job)) : nullptr;
   const std::string key = view.Address();
   const std::lock_guard lock(mutex_);
-  if (const auto made = made_.find(key); made != made_.end() && made->second.of == facts &&
-                                         made->second.history == history &&
-                                         made->second.fetched == (fetched != nullptr))
+  if (const auto made = made_.find(key);
+      made != made_.end() && made->second.of == facts && made->second.history == history &&
+      made->second.fetched == (fetched != nullptr) && made->second.so_far == version)
     return made->second.parts;
   if (made_.size() >= kMostMade) made_.clear();
   std::vector<std::pair<std::string, std::string>> brought;
@@ -386,10 +422,11 @@ std::shared_ptr<const Parts> Site::PartsFor(const View& view) {
   auto parts = std::make_shared<const Parts>(PartsOf(view, {.facts = *facts,
                                                             .history = history,
                                                             .results = fetched ? &fetched->files : nullptr,
+                                                            .so_far = version,
                                                             .may_command = MayCommand(job),
                                                             .may_start = WhyNoStart().empty(),
                                                             .brought = std::move(brought)}));
-  made_[key] = {facts, history, fetched != nullptr, parts};
+  made_[key] = {facts, history, fetched != nullptr, version, parts};
   return parts;
 }
 

@@ -6,7 +6,9 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "coordinator/http/http_server.h"
 #include "coordinator/page/entrance.h"
@@ -36,6 +38,8 @@ class Site : public std::enable_shared_from_this<Site> {
 
   // From now on streams end with this sentence.
   void End(const std::string& why);
+  // Whether a page was sent a moment ago that has not begun to listen yet: it is to hear that, too.
+  bool AwaitsListeners();
 
  private:
   friend class PartsStream;
@@ -45,6 +49,7 @@ class Site : public std::enable_shared_from_this<Site> {
   void AnswerGet(const coordinator::HttpRequest& request, const Reply& reply);
   void AnswerJob(const std::string& job, const std::string& what, const Reply& reply);
   void AnswerComparison(const coordinator::HttpRequest& request, const Reply& reply);
+  void AnswerSoFar(const std::string& job, const Reply& reply);
   void AnswerFile(const std::string& job, const std::string& what, const Reply& reply);
   void AnswerPost(const coordinator::HttpRequest& request, const Reply& reply);
   void AnswerStart(const coordinator::HttpRequest& request, const Reply& reply);
@@ -55,6 +60,8 @@ class Site : public std::enable_shared_from_this<Site> {
   // Why who looks on starts no job from here; empty: he may.
   std::string WhyNoStart() const;
   std::string Farewell();
+  void NotePage(const coordinator::HttpRequest& request);
+  void NoteListener(const coordinator::HttpRequest& request);
 
   SiteOptions options_;
   Entrance entrance_;
@@ -68,11 +75,13 @@ class Site : public std::enable_shared_from_this<Site> {
     FactsPtr of;
     HistoryPtr history;
     bool fetched;
+    std::string so_far;
     std::shared_ptr<const Parts> parts;
   };
   std::mutex mutex_;                  // of all below
   std::map<std::string, Made> made_;  // by the address of the page: made once for all who look on
   std::string farewell_;
+  std::vector<std::pair<std::string, double>> awaited_;  // whose session's page was sent when
 };
 
 }  // namespace cairn::page

@@ -190,8 +190,8 @@ TEST_F(SiteTest, AHostileNameIsATextEverywhere) {
   facts->workers[0].set_assigned(1);
   facts->workers[0].set_task(evil + ": " + evil);
   facts->times.Add(facts->workers, 1);
-  facts->list.warning = facts->trouble = evil;
-  facts->list.refused[evil] = 1;
+  facts->list->warning = facts->trouble = evil;
+  facts->list->refused[evil] = 1;
   source_->facts = facts;
   auto history = std::make_shared<JobHistory>();
   wire::LogLine line;
@@ -246,6 +246,45 @@ TEST_F(SiteTest, AStreamSendsWhatHasChangedAlone) {
   now_s_ += 11;
   EXPECT_EQ(stream->Next(), ": still here\n\n");
   EXPECT_EQ(source_->looks.back(), "1-hall") << "it is looked at as long as the stream lasts";
+}
+
+// In a frame, which no other site's page may be around.
+TEST_F(SiteTest, TheMapSoFarOfAJobThatRunsIsShownAndReplaced) {
+  EXPECT_EQ(Get("/jobs/1-hall").body.find("Map so far"), std::string::npos);
+  EXPECT_EQ(Get("/jobs/1-hall/so-far").code, 404u);
+  wire::JobInfo job = Hall();
+  job.set_so_far("one");
+  Know({job});
+  const auto stream = Ask("GET", "/events", {{"for", "/jobs/1-hall"}}).stream;
+  EXPECT_EQ(stream->Next().find("Map so far"), std::string::npos) << "it is not here yet";
+  EXPECT_EQ(source_->fetched.back(), "1-hall so far one");
+  source_->so_far = std::make_shared<FetchedResults>(
+      FetchedResults{.folder = "/cache/7", .files = {.stages = {"map-so-far"}, .has_report = true}});
+  EXPECT_NE(stream->Next().find("/jobs/1-hall/so-far?version=7"), std::string::npos);
+  const HttpAnswer map = Get("/jobs/1-hall/so-far");
+  EXPECT_EQ(map.file, "/cache/7/report.html");
+  EXPECT_NE(HeaderOf(map, "Content-Security-Policy").find("sandbox allow-scripts"), std::string::npos);
+  EXPECT_NE(HeaderOf(map, "Content-Security-Policy").find("frame-ancestors 'self'"), std::string::npos);
+  EXPECT_EQ(HeaderOf(map, "X-Frame-Options"), "SAMEORIGIN");
+  EXPECT_EQ(HeaderOf(Get("/jobs/1-hall"), "X-Frame-Options"), "DENY");
+  source_->so_far = std::make_shared<FetchedResults>(FetchedResults{.folder = "/cache/8"});
+  EXPECT_NE(stream->Next().find("/jobs/1-hall/so-far?version=8"), std::string::npos);
+  Know({Hall("hall", "done")});
+  EXPECT_EQ(Get("/jobs/1-hall").body.find("Map so far"), std::string::npos) << "its result is there";
+}
+
+TEST_F(SiteTest, APageThatWasJustSentIsWaitedForAtTheEnd) {
+  Get("/jobs/1-hall");
+  EXPECT_TRUE(site_->AwaitsListeners());
+  const auto stream = Ask("GET", "/events", {{"for", "/jobs/1-hall"}}).stream;
+  now_s_ += 1;
+  Get("/workers");
+  EXPECT_TRUE(site_->AwaitsListeners());
+  now_s_ += 60;
+  EXPECT_FALSE(site_->AwaitsListeners()) << "without a script it never listens";
+  Get("/");
+  Ask("GET", "/events", {{"for", "/"}});
+  EXPECT_FALSE(site_->AwaitsListeners());
 }
 
 TEST_F(SiteTest, OneWhoLooksOnTakesNotAllPlaces) {

@@ -55,6 +55,8 @@ class Source {
   // Those that are here; null: none.
   virtual std::shared_ptr<const FetchedResults> Fetched(const std::string& job,
                                                         std::uint32_t stages_done) = 0;
+  // The map of the stage under way that came last, null: none yet; by and by the one of that version.
+  virtual std::shared_ptr<const FetchedResults> SoFar(const std::string& job, const std::string& version) = 0;
 };
 
 }  // namespace cairn::page

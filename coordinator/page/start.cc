@@ -76,12 +76,14 @@ HttpAnswer StartPages::PageOf(unsigned code, const std::string& title, const std
   return WithHeaders({.code = code, .body = Page(title, main, "", "", foot_), .type = kHtml});
 }
 
-HttpAnswer StartPages::FilesPage(unsigned code, const std::string& token, const std::string& trouble) {
-  return PageOf(code, "Start a job", FilesHtml({desk_->Files(), desk_->most_bytes(), token}, trouble));
+HttpAnswer StartPages::FilesPage(unsigned code, const std::string& token, const std::string& trouble,
+                                 const std::string& job) {
+  return PageOf(code, "Start a job", FilesHtml({desk_->Files(), desk_->most_bytes(), token, job}, trouble));
 }
 
-void StartPages::Get(const std::string& path, const std::string& token, const Reply& reply) {
-  if (path == "/new") return reply->Send(FilesPage(200, token, ""));
+void StartPages::Get(const HttpRequest& request, const std::string& token, const Reply& reply) {
+  const std::string& path = request.path;
+  if (path == "/new") return reply->Send(FilesPage(200, token, "", request.Query("job")));
   Place place;
   if (!Find(path, &place))
     return reply->Send(FilesPage(404, token, "That file is not here any more: bring it again."));
@@ -113,6 +115,14 @@ void StartPages::Post(const HttpRequest& request, const std::string& token, cons
       reply->Send(number == 0 ? self->FilesPage(400, token, trouble)
                               : GoTo("/new/" + std::to_string(number)));
     });
+  }
+  if (request.path == "/new/from-job") {
+    std::map<std::string, std::string> values = FormValues(request.body);
+    return desk_->FromJob(values["job"], values["what"] == "inputs",
+                          [self, token, reply](std::uint64_t number, const std::string& trouble) {
+                            reply->Send(number == 0 ? self->FilesPage(400, token, trouble)
+                                                    : GoTo("/new/" + std::to_string(number)));
+                          });
   }
   Place place;
   if (!Find(request.path, &place))

@@ -19,9 +19,9 @@ class StartPages : public std::enable_shared_from_this<StartPages> {
   // `desk` outlives it.
   StartPages(Desk* desk, std::string foot) : desk_(desk), foot_(std::move(foot)) {}
 
-  // /new, /new/3, /new/3/landmark_map
-  void Get(const std::string& path, const std::string& token, const Reply& reply);
-  // /new/upload, /new/3/remove, /new/3/landmark_map. Whether it is his own form was looked at.
+  // /new, /new?job=2-hall, /new/3, /new/3/landmark_map
+  void Get(const coordinator::HttpRequest& request, const std::string& token, const Reply& reply);
+  // /new/upload, /new/from-job, /new/3/remove, /new/3/landmark_map. Whether it is his own form was looked at.
   void Post(const coordinator::HttpRequest& request, const std::string& token, const Reply& reply);
   // Of /new/upload, before it comes.
   std::shared_ptr<coordinator::HttpUpload> Begin(const coordinator::HttpRequest& request);
@@ -30,7 +30,8 @@ class StartPages : public std::enable_shared_from_this<StartPages> {
   struct Place;
   // Of "/new/3/landmark_map"; kind and file are looked up.
   bool Find(const std::string& path, Place* place);
-  coordinator::HttpAnswer FilesPage(unsigned code, const std::string& token, const std::string& trouble);
+  coordinator::HttpAnswer FilesPage(unsigned code, const std::string& token, const std::string& trouble,
+                                    const std::string& job = "");
   void AnswerOrder(const Place& place, std::map<std::string, std::string> values, const std::string& token,
                    const Reply& reply);
   coordinator::HttpAnswer PageOf(unsigned code, const std::string& title, const std::string& main) const;

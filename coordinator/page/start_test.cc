@@ -154,6 +154,7 @@ TEST_F(StartTest, AFormOfAnotherSiteOrOfNobodyIsRefusedBeforeItsFileComes) {
     EXPECT_EQ(Bring("hall.h5", "bytes").code, 403u) << wrong;
     EXPECT_EQ(Send(file + "/landmark_map", "do=submit").code, 403u) << wrong;
     EXPECT_EQ(Send(file + "/remove", "").code, 403u) << wrong;
+    EXPECT_EQ(Send("/new/from-job", "job=1-hall&what=inputs").code, 403u) << wrong;
   }
   token_ = right;
   for (const auto& headers :
@@ -170,6 +171,21 @@ TEST_F(StartTest, AFormOfAnotherSiteOrOfNobodyIsRefusedBeforeItsFileComes) {
   EXPECT_EQ(desk_->Files().size(), 1u);
   cookie_ = "";
   EXPECT_EQ(Get("/new").code, 401u);
+}
+
+TEST_F(StartTest, AnotherJobGivesItsFilesAndWhyNotIsASentence) {
+  EXPECT_NE(
+      Ask("GET", "/new", {{"job", "3-hall\"><script>"}}).body.find("value=\"3-hall&quot;&gt;&lt;script"),
+      std::string::npos);
+  const HttpAnswer nothing = Send("/new/from-job", "job=3-hall&what=inputs");
+  EXPECT_EQ(nothing.code, 400u);
+  EXPECT_NE(nothing.body.find("There is nothing of it to take."), std::string::npos);
+  EXPECT_NE(script_.Words().find(" --inputs --connect=ipc:///x/y -- 3-hall\n"), std::string::npos);
+  script_.Does("case $1 in results) mkdir \"${2#--out=}\"; echo >\"${2#--out=}/log.h5\";; esac\n" +
+               std::string(kCairn));
+  const HttpAnswer brought = Send("/new/from-job", "job=3-hall&what=results");
+  EXPECT_EQ(brought.code, 303u);
+  EXPECT_NE(Get(HeaderOf(brought, "Location")).body.find("3-hall-log.h5"), std::string::npos);
 }
 
 TEST_F(StartTest, TwoWhoLookOnHaveFormsOfTheirOwn) {

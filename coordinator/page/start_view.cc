@@ -209,6 +209,20 @@ std::string JobFields(const JobOrder& order) {
          priorities + "</select><small>each step doubles its share of the workers</small></div>\n";
 }
 
+// The coordinator has what a job was given until that is done or cancelled, its results for longer.
+std::string FromJobForm(const StartContext& context) {
+  return "<h2>From another job</h2>\n<form class=\"filter\" method=\"post\" action=\"/new/from-job\">\n" +
+         Hidden(context.token) +
+         "<label>Job <input name=\"job\" required maxlength=\"300\" autocomplete=\"off\" placeholder=\"its "
+         "id\" value=\"" +
+         Text(context.job) +
+         "\"></label>\n<label>Take <select name=\"what\"><option value=\"inputs\">what it was made of, until "
+         "it "
+         "is done</option><option value=\"results\">its results</option></select></label>\n<button>Bring "
+         "them "
+         "here</button>\n</form>\n";
+}
+
 }  // namespace
 
 const Json& ListIn(const Json& json, const char* name) {
@@ -236,7 +250,8 @@ std::string FilesHtml(const StartContext& context, const std::string& trouble) {
          "required></label>\n<button>Bring it here</button>\n<progress class=\"scripted\" max=\"1\" "
          "value=\"0\" "
          "aria-label=\"uploaded\" hidden></progress>\n</form>\n<p>Files may take " +
-         Text(BytesText(context.most_bytes)) + " here in all. “cairn submit” takes larger ones.</p>\n" + rows;
+         Text(BytesText(context.most_bytes)) + " here in all. “cairn submit” takes larger ones.</p>\n" +
+         FromJobForm(context) + rows;
 }
 
 std::string FileHtml(const StartContext& context, const BroughtFile& file, const Json& pipelines) {

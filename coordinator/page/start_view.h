@@ -15,6 +15,7 @@ struct StartContext {
   std::vector<BroughtFile> files;
   std::uint64_t most_bytes = 0;  // of all of them together
   std::string token;             // that forms have with them
+  std::string job = {};          // from which a file may be taken
 };
 
 // Which files are here, and the form that brings another. `trouble`: a sentence on what went wrong before;

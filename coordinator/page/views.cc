@@ -38,7 +38,7 @@ std::string StoreTile(const coordinator::StoreFacts& store) {
 
 std::string SummaryHtml(const Facts& facts, bool may_start) {
   std::map<std::string, std::size_t> counts;
-  for (const wire::JobInfo& job : facts.list.jobs) ++counts[job.state()];
+  for (const wire::JobInfo& job : facts.list->jobs) ++counts[job.state()];
   std::string tiles;
   for (const char* state : kStates)
     if (counts[state] > 0)
@@ -49,13 +49,13 @@ std::string SummaryHtml(const Facts& facts, bool may_start) {
                        busy, facts.workers.size());
   const std::string start =
       may_start ? "<p class=\"links\"><a class=\"button main\" href=\"/new\">Start a job</a></p>\n" : "";
-  return start + "<div class=\"tiles\">\n" + tiles + StoreTile(facts.list.store) + "</div>\n";
+  return start + "<div class=\"tiles\">\n" + tiles + StoreTile(facts.list->store) + "</div>\n";
 }
 
 std::vector<const wire::JobInfo*> Chosen(const View& view, const Facts& facts) {
   const std::string search = Lower(view.search);
   std::vector<const wire::JobInfo*> chosen;
-  for (const wire::JobInfo& job : facts.list.jobs) {
+  for (const wire::JobInfo& job : facts.list->jobs) {
     if (view.state == "active" ? IsOver(job) : !view.state.empty() && job.state() != view.state) continue;
     if (!search.empty() && Lower(job.id()).find(search) == std::string::npos &&
         Lower(job.name()).find(search) == std::string::npos)
@@ -104,7 +104,7 @@ std::string Pager(const View& view, std::uint64_t page, std::uint64_t pages, std
 std::string JobsHtml(const View& view, const Facts& facts) {
   const std::vector<const wire::JobInfo*> chosen = Chosen(view, facts);
   if (chosen.empty())
-    return facts.list.jobs.empty()
+    return facts.list->jobs.empty()
                ? "<p class=\"empty\">There are no jobs yet: “cairn submit” sends one.</p>\n"
                : "<p class=\"empty\">No job is like that. <a href=\"/\">All jobs</a></p>\n";
   const std::uint64_t pages = (chosen.size() + kJobsOnAPage - 1) / kJobsOnAPage;
@@ -123,7 +123,7 @@ std::string JobsHtml(const View& view, const Facts& facts) {
 
 std::string RefusalsHtml(const Facts& facts) {
   std::string items;
-  for (const auto& [kind, count] : facts.list.refused)
+  for (const auto& [kind, count] : facts.list->refused)
     items += "<tr><th scope=\"row\">" + Text(kind) + "</th><td class=\"number\">" + std::to_string(count) +
              "</td></tr>\n";
   if (items.empty()) return "<h2>Refused</h2>\n<p class=\"empty\">Nothing since the coordinator began.</p>\n";
@@ -177,7 +177,7 @@ std::string NoticeHtml(const Facts& facts) {
   if (!facts.trouble.empty())
     html += "<p class=\"trouble\">" + Text(facts.trouble) +
             (facts.known ? " Shown is what it said at " + Text(facts.utc) + "." : "") + "</p>";
-  if (!facts.list.warning.empty()) html += "<p class=\"trouble\">" + Text(facts.list.warning) + "</p>";
+  if (!facts.list->warning.empty()) html += "<p class=\"trouble\">" + Text(facts.list->warning) + "</p>";
   return html;
 }
 

@@ -36,6 +36,7 @@ struct ViewContext {
   Facts const& facts;
   HistoryPtr history = nullptr;          // of the job
   const ResultFiles* results = nullptr;  // null: not fetched yet
+  std::string so_far = {};  // by which its map so far is told from earlier ones; empty: there is none
   bool may_command = true;
   bool may_start = false;                                         // jobs
   std::vector<std::pair<std::string, std::string>> brought = {};  // logs and samples: number and name

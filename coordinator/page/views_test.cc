@@ -22,9 +22,9 @@ Facts Many(int count) {
     job.set_name("Tour " + std::to_string(i));
     job.set_state(i % 10 == 0 ? "running" : "done");
     job.set_stages(1);
-    facts.list.jobs.push_back(job);
+    facts.list->jobs.push_back(job);
   }
-  SortForPeople(&facts.list.jobs);
+  SortForPeople(&facts.list->jobs);
   return facts;
 }
 
@@ -64,7 +64,7 @@ TEST(Jobs, AreFoundByNameIdAndState) {
 
 TEST(Job, ShowsItsShareOfTheFleetItsStagesAndWhatIsLeft) {
   Facts facts = Many(1);
-  wire::JobInfo& job = facts.list.jobs[0];
+  wire::JobInfo& job = facts.list->jobs[0];
   job.set_state("running");
   job.set_stages(3);
   job.set_stage(1);
@@ -89,7 +89,7 @@ TEST(Job, ShowsItsShareOfTheFleetItsStagesAndWhatIsLeft) {
 
 TEST(Job, ButtonsAreForThoseWhoMay) {
   Facts facts = Many(1);
-  facts.list.jobs[0].set_state("failed");
+  facts.list->jobs[0].set_state("failed");
   const View view{.kind = View::Kind::kJob, .job = "1-Tour"};
   const std::string may = PartOf(view, {.facts = facts}, "head");
   EXPECT_NE(may.find("data-action=\"retry\""), std::string::npos);

@@ -85,9 +85,9 @@ HistoryPtr Watcher::HistoryOf(const std::string& job) {
 // Where nobody answers, nobody is waited for a second time.
 bool Watcher::IsFresh(const std::string& job, double now_s) const {
   if (!facts_->trouble.empty()) return now_s - tried_s_ < options_.looked_at_s;
-  if (now_s - answered_s_ > kFresh_s) return false;
-  // One that is not known may have come a moment ago.
-  return job.empty() || (facts_->Find(job) != nullptr && jobs_.at(job).history != nullptr);
+  if (job.empty()) return now_s - answered_s_ < kFresh_s;
+  const LookedAt& looked = jobs_.at(job);
+  return facts_->Find(job) != nullptr && looked.history && now_s - looked.answered_s < kFresh_s;
 }
 
 void Watcher::Look(const std::string& job, std::function<void()> then) {
@@ -96,17 +96,22 @@ void Watcher::Look(const std::string& job, std::function<void()> then) {
     std::unique_lock lock(mutex_);
     const bool was_idle = now_s - looked_s_ > options_.looked_at_s;
     looked_s_ = now_s;
-    if (!job.empty()) {
+    if (job.empty()) {
+      soon_ = soon_ || now_s - list_looked_s_ > options_.looked_at_s;
+      list_looked_s_ = now_s;
+    } else {
       if (jobs_.size() >= kMostJobs && !jobs_.contains(job))
         jobs_.erase(std::ranges::min_element(jobs_, {}, [](const auto& of) { return of.second.at_s; }));
       jobs_[job].at_s = now_s;
     }
     const bool fresh = IsFresh(job, now_s);
-    if (then && !fresh) waiting_.push_back(std::exchange(then, nullptr));
-    if (!fresh || was_idle) {
-      soon_ = soon_ || !waiting_.empty() || was_idle;
-      woken_.notify_one();
+    if (then && !fresh) {
+      waiting_.push_back(std::exchange(then, nullptr));
+      // One that is not known may have come a moment ago.
+      (job.empty() || facts_->Find(job) == nullptr ? soon_ : soon_jobs_) = true;
     }
+    soon_ = soon_ || was_idle;
+    if (!fresh || was_idle) woken_.notify_one();
   }
   if (then) then();
 }
@@ -125,81 +130,128 @@ void Watcher::Command(const std::string& job, const std::string& action, int pri
   if (!added) then({false, "Too many commands wait for the coordinator: try again soon."});
 }
 
-FactsPtr Watcher::Ask() {
-  auto facts = std::make_shared<Facts>();
-  Result<coordinator::JobList> list = asks_.List();
-  Status status = list.status();
-  if (status.ok()) {
-    facts->list = std::move(list).value();
-    SortForPeople(&facts->list.jobs);
-    Result<coordinator::FleetFacts> fleet = asks_.Fleet();
-    status = fleet.status();
-    if (status.ok()) facts->workers = std::move(fleet).value().workers;
+// So that no more than a part of the coordinator's time goes here.
+void Watcher::SetDue(Due* due, double begin_s, double least_s) const {
+  const double now_s = Now();
+  due->at_s = now_s + std::clamp(options_.share * (now_s - begin_s), least_s, std::max(least_s, kMostWait_s));
+}
+
+Status Watcher::AskForList(Facts* facts) {
+  const double begin_s = Now();
+  bool is_looked_at = false;
+  {
+    const std::lock_guard lock(mutex_);
+    is_looked_at = begin_s - list_looked_s_ < options_.looked_at_s;
   }
+  Result<coordinator::JobList> list = asks_.List();
+  SetDue(&list_, begin_s, is_looked_at ? options_.least_s : std::max(options_.least_s, options_.unseen_s));
+  if (!list.ok()) return list.status();
+  facts->list = std::make_shared<coordinator::JobList>(std::move(list).value());
+  facts->newer.clear();
+  SortForPeople(&facts->list->jobs);
+  const std::lock_guard lock(mutex_);
+  answered_s_ = Now();
+  return Status::Ok();
+}
+
+Status Watcher::AskForFleet(Facts* facts) {
+  const double begin_s = Now();
+  Result<coordinator::FleetFacts> fleet = asks_.Fleet();
+  SetDue(&fleet_, begin_s, options_.least_s);
+  if (!fleet.ok()) return fleet.status();
+  facts->workers = std::move(fleet).value().workers;
+  times_.Add(facts->workers, Now());
+  facts->times = times_;
+  return Status::Ok();
+}
+
+// Of each that somebody looks at how it stands, and those lines of its log that are new: that takes as long
+// whatever other jobs there are. One that is gone is not on the next list.
+Status Watcher::AskForJobs(Facts* facts) {
+  const double begin_s = Now();
+  std::vector<std::pair<std::string, HistoryPtr>> jobs;
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(jobs_,
+                  [&](const auto& of) { return begin_s - of.second.at_s > 20 * options_.looked_at_s; });
+    for (const auto& [id, looked] : jobs_)
+      if (begin_s - looked.at_s < options_.looked_at_s && facts->Find(id) != nullptr)
+        jobs.emplace_back(id, looked.history);
+  }
+  for (const auto& [id, history] : jobs) {
+    const Result<coordinator::LogPart> part = asks_.Log(id, history ? history->last() : 0);
+    if (!part.ok()) {
+      const Code code = part.status().code();
+      if (code != Code::kRefused && code != Code::kNoSpace) return part.status();
+      list_.at_s = -1e9;
+      continue;
+    }
+    facts->newer[id] = part.value().job;
+    auto longer = history;
+    if (!history || !part.value().lines.empty()) {
+      const auto more = history ? std::make_shared<JobHistory>(*history) : std::make_shared<JobHistory>();
+      more->Add(part.value().lines);
+      longer = more;
+    }
+    const std::lock_guard lock(mutex_);
+    if (const auto looked = jobs_.find(id); looked != jobs_.end()) {
+      looked->second.history = longer;
+      looked->second.answered_s = Now();
+    }
+  }
+  SetDue(&looked_, begin_s, options_.least_s);
+  return Status::Ok();
+}
+
+FactsPtr Watcher::Ask(bool all) {
   const FactsPtr before = Latest();
-  if (!status.ok()) {
-    *facts = *before;
-    facts->trouble = TroubleText(status);
-  } else {
-    times_.Add(facts->workers, Now());
-    facts->times = times_;
+  auto facts = std::make_shared<Facts>(*before);
+  Status status;
+  if (all || Now() >= list_.at_s) status = AskForList(facts.get());
+  if (status.ok() && (all || Now() >= fleet_.at_s)) status = AskForFleet(facts.get());
+  if (status.ok()) status = AskForJobs(facts.get());
+  if (status.ok()) {
     facts->known = true;
+    facts->trouble.clear();
     facts->utc = UtcNow();
+  } else {
+    *facts = *before;
+    const bool says_own = !options_.unanswered.empty() && status.code() != Code::kRefused;
+    facts->trouble = says_own ? options_.unanswered : TroubleText(status);
+    list_.at_s = -1e9;  // all may be another when it is back
   }
   facts->number = before->number + 1;
   return facts;
 }
 
-// Of jobs that somebody looks at, those lines that are new.
-void Watcher::AskForLogs(const Facts& facts) {
-  std::vector<std::pair<std::string, HistoryPtr>> jobs;
-  {
-    const std::lock_guard lock(mutex_);
-    const double now_s = Now();
-    std::erase_if(jobs_, [&](const auto& of) { return now_s - of.second.at_s > 20 * options_.looked_at_s; });
-    for (const auto& [id, looked] : jobs_)
-      if (now_s - looked.at_s < options_.looked_at_s && facts.Find(id) != nullptr)
-        jobs.emplace_back(id, looked.history);
-  }
-  for (const auto& [id, history] : jobs) {
-    const Result<coordinator::LogPart> part = asks_.Log(id, history ? history->last() : 0);
-    if (!part.ok() || (history && part.value().lines.empty())) continue;
-    auto longer = history ? std::make_shared<JobHistory>(*history) : std::make_shared<JobHistory>();
-    longer->Add(part.value().lines);
-    const std::lock_guard lock(mutex_);
-    if (const auto looked = jobs_.find(id); looked != jobs_.end()) looked->second.history = longer;
-  }
-}
+double Watcher::NextAt_s() const { return std::min({list_.at_s, fleet_.at_s, looked_.at_s}); }
 
 void Watcher::Run() {
-  double wait_s = 0;
+  double next_s = 0;
   for (std::unique_lock lock(mutex_); !ending_;) {
     const bool looked_at = Now() - looked_s_ < options_.looked_at_s;
-    const auto due = [this] { return ending_ || soon_; };
+    const auto due = [this] { return ending_ || soon_ || soon_jobs_; };
     if (looked_at)
-      woken_.wait_for(lock, Seconds(wait_s), due);
+      woken_.wait_for(lock, Seconds(next_s - Now()), due);
     else
       woken_.wait(lock, due);
     if (ending_) break;
-    soon_ = false;
+    const bool all = std::exchange(soon_, false);
+    soon_jobs_ = false;
     std::vector<std::function<void()>> waiting;
     waiting.swap(waiting_);
     lock.unlock();
 
-    const double begin_s = Now();
-    const FactsPtr facts = Ask();
-    const double took_s = Now() - begin_s;
-    if (facts->trouble.empty()) AskForLogs(*facts);
+    const FactsPtr facts = Ask(all);
 
     lock.lock();
     facts_ = facts;
     tried_s_ = Now();
-    if (facts->trouble.empty()) answered_s_ = tried_s_;
     lock.unlock();
     for (const std::function<void()>& then : waiting) then();
     changed_();
-    wait_s = facts->trouble.empty() ? std::clamp(options_.share * took_s, options_.least_s, kMostWait_s)
-                                    : options_.least_s;
+    next_s = facts->trouble.empty() ? std::max(NextAt_s(), Now() + options_.least_s / 2)
+                                    : Now() + options_.least_s;
     lock.lock();
   }
 }

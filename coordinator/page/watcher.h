@@ -20,10 +20,12 @@ namespace cairn::page {
 
 struct WatcherOptions {
   coordinator::ClientOptions client;
-  double least_s = 0.25;  // between two questions
+  std::string unanswered = {};  // what is said where the coordinator does not answer; empty: that, and why
+  double least_s = 0.25;        // between two questions
   double share = 20;  // of the time that an answer takes, at the least: so that no more than a part of the
                       // coordinator's goes here
   double looked_at_s = 3;  // after who looked on last
+  double unseen_s = 10;    // between two questions for all jobs, while all who look on look at one of them
   ResultsOptions results;
 };
 
@@ -49,16 +51,28 @@ class Watcher : public Source {
   std::shared_ptr<const FetchedResults> Fetched(const std::string& job, std::uint32_t stages_done) override {
     return results_.Fetched(job, stages_done);
   }
+  std::shared_ptr<const FetchedResults> SoFar(const std::string& job, const std::string& version) override {
+    return results_.SoFar(job, version);
+  }
 
  private:
   struct LookedAt {
     double at_s = 0;
+    double answered_s = -1e9;  // when it was asked for last
     HistoryPtr history = nullptr;
+  };
+  // When something is asked again: the longer it took, the later.
+  struct Due {
+    double at_s = -1e9;
   };
 
   void Run();
-  FactsPtr Ask();
-  void AskForLogs(const Facts& facts);
+  double NextAt_s() const;
+  FactsPtr Ask(bool all);
+  Status AskForList(Facts* facts);
+  Status AskForFleet(Facts* facts);
+  Status AskForJobs(Facts* facts);
+  void SetDue(Due* due, double begin_s, double least_s) const;
   bool IsFresh(const std::string& job, double now_s) const;
 
   WatcherOptions options_;
@@ -66,12 +80,14 @@ class Watcher : public Source {
   coordinator::Client asks_;
   std::optional<coordinator::Client> commands_;  // of the errands' thread
   FleetTimes times_;
+  Due list_, fleet_, looked_;  // of the thread that asks
 
   std::mutex mutex_;  // of all below
   std::condition_variable woken_;
-  bool ending_ = false, soon_ = false;
+  bool ending_ = false;
+  bool soon_ = false, soon_jobs_ = false;  // all is asked for now; or the jobs that somebody looks at
   FactsPtr facts_ = std::make_shared<Facts>();
-  double answered_s_ = -1e9, tried_s_ = -1e9, looked_s_ = -1e9;
+  double answered_s_ = -1e9, tried_s_ = -1e9, looked_s_ = -1e9, list_looked_s_ = -1e9;
   std::map<std::string, LookedAt> jobs_;  // that somebody looks at
   std::vector<std::function<void()>> waiting_;
 

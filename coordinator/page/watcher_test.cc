@@ -33,10 +33,16 @@ class WatcherTest : public ::testing::Test {
       reply.add_jobs()->set_id("2-new");
       reply.mutable_jobs(0)->set_name("new");
     }
+    if (gone_ && query.job().empty()) return answer;
+    if (gone_) {
+      reply.set_ok(false);
+      reply.set_message("there is no job '1-hall'");
+      return answer;
+    }
     wire::JobInfo& job = *reply.add_jobs();
     job.set_id("1-hall");
     job.set_name("hall");
-    job.set_state(query.action() == "pause" ? "paused" : "running");
+    job.set_state(query.action() == "pause" || state_paused_ ? "paused" : "running");
     if (query.action() == "logs") {
       ++logs_;
       for (std::uint64_t number = query.after() + 1; number <= lines_; ++number) {
@@ -59,9 +65,11 @@ class WatcherTest : public ::testing::Test {
     client.timeout_s = 2;
     watcher_ = std::make_unique<Watcher>(
         WatcherOptions{.client = client,
+                       .unanswered = unanswered_,
                        .least_s = 0.01,
                        .share = 0,
                        .looked_at_s = 0.5,
+                       .unseen_s = unseen_s_,
                        .results = {.program = "/bin/false",
                                    .service = {},
                                    .folder = std::filesystem::path(folder_.Ipc("cache").substr(6))}},
@@ -84,7 +92,9 @@ class WatcherTest : public ::testing::Test {
   wire::PrivateFolder folder_;
   std::atomic<int> lists_ = 0, logs_ = 0, changes_ = 0;
   std::atomic<std::uint64_t> lines_ = 3;
-  std::atomic<bool> refused_ = false, another_ = false;
+  std::atomic<bool> refused_ = false, another_ = false, state_paused_ = false, gone_ = false;
+  double unseen_s_ = 0.01;
+  std::string unanswered_;
   std::unique_ptr<FakeService> service_;
   std::unique_ptr<Watcher> watcher_;
 };
@@ -122,6 +132,43 @@ TEST_F(WatcherTest, ManyWhoLookOnAskAsOne) {
   EXPECT_LE(lists_ - lists, turns);
   EXPECT_LE(logs_ - logs, turns);
   EXPECT_LT(turns, 50'000);
+}
+
+// However long the list is, and however rarely it is asked for.
+TEST_F(WatcherTest, AJobThatSomebodyLooksAtIsAskedForAlone) {
+  Serve();
+  unseen_s_ = 1e6;
+  Watch();
+  Look("1-hall");
+  const int lists = lists_;
+  lines_ = 4;
+  Until([&] { return watcher_->HistoryOf("1-hall")->last() == 4; });
+  state_paused_ = true;
+  Until([&] { return watcher_->Latest()->Find("1-hall")->state() == "paused"; });
+  EXPECT_EQ(lists_, lists);
+  while (lists_ == lists) Look();  // who looks at the list has it
+  EXPECT_EQ(watcher_->Latest()->Find("1-hall")->state(), "paused");
+}
+
+// It is told at once, and not with the next list.
+TEST_F(WatcherTest, AJobThatIsGoneIsMissedAtOnce) {
+  Serve();
+  unseen_s_ = 1e6;
+  Watch();
+  Look("1-hall");
+  gone_ = true;
+  Until([&] { return watcher_->Latest()->Find("1-hall") == nullptr; });
+  EXPECT_EQ(watcher_->Latest()->trouble, "");
+}
+
+TEST_F(WatcherTest, ARunThatDoesNotAnswerIsNotCalledACoordinator) {
+  Serve();
+  unanswered_ = "The run is ending.";
+  Watch();
+  Look("1-hall");
+  service_.reset();
+  Until([&] { return !watcher_->Latest()->trouble.empty(); });
+  EXPECT_EQ(watcher_->Latest()->trouble, "The run is ending.");
 }
 
 TEST_F(WatcherTest, ACoordinatorThatIsGoneIsSaidAndWhenItIsBackAllIsWell) {

@@ -49,6 +49,9 @@ class Day : public page::Source {
   std::shared_ptr<const page::FetchedResults> Fetched(const std::string&, std::uint32_t) override {
     return nullptr;
   }
+  std::shared_ptr<const page::FetchedResults> SoFar(const std::string&, const std::string&) override {
+    return nullptr;
+  }
   std::uint64_t looks() const { return looks_; }
 
   void GoOn(double now_s) {
@@ -68,7 +71,7 @@ class Day : public page::Source {
     job.set_rounds_left(100);
     job.set_seconds(now_s);
     job.set_workers(4);
-    facts->list.jobs.push_back(job);
+    facts->list->jobs.push_back(job);
     for (std::uint64_t w = 0; w < 4; ++w) {
       wire::WorkerInfo worker;
       worker.set_number(w);
@@ -81,9 +84,10 @@ class Day : public page::Source {
     }
     times_.Add(facts->workers, now_s);
     facts->times = times_;
-    auto history =
-        history_ ? std::make_shared<page::JobHistory>(*history_) : std::make_shared<page::JobHistory>();
+    page::HistoryPtr longer = history_;
     if (steps_ % 10 == 0) {
+      const auto history =
+          history_ ? std::make_shared<page::JobHistory>(*history_) : std::make_shared<page::JobHistory>();
       wire::LogLine line;
       line.set_number(steps_ / 10);
       line.set_level("info");
@@ -91,10 +95,11 @@ class Day : public page::Source {
                     ": 10 tasks in 1.5 s, 5.2 s of work: iteration " + std::to_string(steps_ / 10) +
                     ", log-likelihood -" + std::to_string(1000 + steps_ % 977));
       history->Add({line});
+      longer = history;
     }
     const std::lock_guard lock(mutex_);
     facts_ = facts;
-    history_ = history;
+    history_ = longer;
   }
 
  private:
@@ -117,6 +122,9 @@ int Main(const std::vector<std::string>& args) {
       "0", "a day", {.streams = 4, .body_bytes = 1000},
       [&site](const coordinator::HttpRequest& request, const auto& reply) { site->Answer(request, reply); });
   if (!server.ok()) throw InputError(server.status().message());
+  // What a page keeps of rounds and lines is full before the first hour: it is to go on from there.
+  constexpr int kBefore = 60'000;
+  for (int i = 0; i < kBefore; ++i) day->GoOn((i - kBefore) * step_s);
   day->GoOn(0);
   site = std::make_shared<page::Site>(
       page::SiteOptions{.foot = "a day"},

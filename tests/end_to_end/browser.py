@@ -87,6 +87,13 @@ class Browser:
     def find(self, selector):
         return Element(self, self.ask('POST', '/element', {'using': 'css selector', 'value': selector}))
 
+    def into(self, selector):
+        """What follows is within that frame, until leave()."""
+        self.ask('POST', '/frame', {'id': self.find(selector).reference})
+
+    def leave(self):
+        self.ask('POST', '/frame', {'id': None})
+
     def has(self, selector):
         return bool(self.ask('POST', '/elements', {'using': 'css selector', 'value': selector}))
 

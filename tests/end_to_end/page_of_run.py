@@ -1,11 +1,42 @@
 """`cairn run --page`: it is shown while it runs, nobody commands it from there, and its end is told."""
+import http.client
 import os
 import signal
 import subprocess
 import sys
+import time
+import urllib.parse
 
 from browser import Browser
 from page_service import link_in, until
+
+
+def told_late():
+    """A page that was sent as the run ended, and begins to listen only then, hears of it too."""
+    open('late.log', 'w').close()
+    with open('late.log', 'ab') as log:
+        run = subprocess.Popen(['cairn', 'run', 'landmark_map', 'log.h5', '--out', 'late', '--workers', '1', '--page'],
+                               stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log)
+    try:
+        link = urllib.parse.urlsplit(link_in('late.log'))
+        browser = http.client.HTTPConnection(link.hostname, link.port, timeout=60)
+        browser.request('GET', link.path + '?' + link.query)
+        answer = browser.getresponse()
+        answer.read()
+        mine = {'Cookie': answer.getheader('Set-Cookie').split(';')[0]}
+        # Once the run has its report it ends its page, and waits for that: of which this is to hear though it is late.
+        until(lambda: (browser.request('GET', '/jobs/run', headers=mine), browser.getresponse().read()) and
+              os.path.exists('late/report.html'), 'late.log')
+        time.sleep(2)
+        assert run.poll() is None, 'it did not wait for who looks on'
+        browser.request('GET', '/events?for=/jobs/run', headers=mine)
+        said = browser.getresponse().read().decode()
+        assert 'event: over' in said and 'The run is over' in said, said
+        assert run.wait(120) == 0, open('late.log').read()
+    finally:
+        run.kill()
+        run.wait()
+    print('a page that listens late was told')
 
 
 def main():
@@ -42,6 +73,7 @@ def main():
     finally:
         run.kill()
         run.wait()
+    told_late()
     assert 'open ' not in open('summary').read(), 'the link is among the facts'
     print('a run was shown to its end')
 

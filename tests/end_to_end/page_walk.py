@@ -5,6 +5,7 @@ import shutil
 import socket
 import subprocess
 import sys
+import time
 
 from browser import Browser
 from page_service import Service, cairn, link_in, submit, until
@@ -75,6 +76,7 @@ class Walk:
                 wrong = self.browser.run(UNREADABLE)
                 assert not wrong, f'{name}, {width} px, {"dark" if dark else "light"}: {wrong}'
                 if PICTURES:
+                    time.sleep(0.5)  # frames are painted by and by
                     os.makedirs(PICTURES, exist_ok=True)
                     self.browser.picture(f'{PICTURES}/{name}-{width}-{"dark" if dark else "light"}.png')
         self.browser.size(1280, 900, False)
@@ -138,6 +140,104 @@ def run_pause_resume(walk, job):
     browser.until(lambda: 'Landmarks' in browser.text() or 'landmarks' in browser.text(), 'the report')
     assert browser.run('return origin') == 'null', 'a report is of the page\'s own origin'
     walk.no_errors('report')
+
+
+def so_far(walk):
+    """The map of a job that runs, in the viewer of its report, and the next one in its place, which is looked at as it was."""
+    browser = walk.browser
+    cairn('simulate', 'loop', '--difficulty', 'base', '--robots', '4', '--seed', '1', 'team.h5')  # of many rounds
+    job = submit('landmark_map', 'team.h5', '--seed', '5', '--set', 'cell_m=0.35', '--name', EVIL)
+    walk.go('/jobs/' + job)
+    browser.until(lambda: browser.has('#sofar iframe'), 'a map of a job that runs')
+    walk.press('pause')
+    walk.until_says('paused by its owner')
+    walk.until_says('It is no result')
+    version = 'return document.querySelector("#sofar iframe").dataset.src'
+    slider = 'input[aria-label="Iteration"]'
+    where = 'dispatchEvent(new Event("pagehide")); return JSON.parse(window.name.slice(6))[0].perMetre'
+
+    def resume_until(done):
+        """A round at a time, as a test cannot be faster than a job."""
+        walk.press('resume')
+        browser.until(done, 'another map')
+        walk.press('pause')
+        browser.until(lambda: 'paused' in browser.text('.title'), 'a pause')
+
+    def has_rounds():
+        browser.into('#sofar iframe')
+        there = browser.has(slider)
+        browser.leave()
+        return there
+
+    def settled():
+        before = browser.run(version)
+        time.sleep(2)
+        return browser.run(version) == before
+    browser.until(settled, 'the map of the last round')
+    while not has_rounds():  # a start that has begun only now may be the best
+        before = browser.run(version)
+        resume_until(lambda: browser.run(version) != before)
+        browser.until(settled, 'the map of the last round')
+    browser.into('#sofar iframe')
+    assert 'still being made' in browser.text() and browser.run('return origin') == 'null', browser.text()
+    browser.run(f'const s = document.querySelector(`{slider}`); s.value = 0; s.dispatchEvent(new Event("input")); '
+                'document.querySelector(".viewer-tools button").click();')
+    walk.until_says('1 of ', '.viewer-time output')
+    looked = browser.run(where)
+    browser.leave()
+    walk.check('so-far')
+    cairn('results', job, '--so-far', '--out', 'so-far')
+    (file,) = [name for name in os.listdir('so-far') if name.endswith('.h5')]
+    assert 'no result' in cairn('inspect', 'so-far/' + file)
+    refused = subprocess.run(['cairn', 'evaluate', 'so-far', '--truth', 'team.h5'], capture_output=True, text=True)
+    assert refused.returncode == 2 and 'no result' in refused.stderr, refused
+    before = browser.run(version)
+    resume_until(lambda: browser.run(version) != before)
+    browser.into('#sofar iframe')
+    walk.until_says('1 of ', '.viewer-time output')
+    assert abs(browser.run(where) / looked - 1) < 0.01, 'it is looked at anew'
+    browser.leave()
+    another_of(walk, job)
+    walk.go('/jobs/' + job)
+    walk.press('cancel', sure=True)
+    walk.until_says('cancelled', '.title')
+    browser.until(lambda: not browser.has('#sofar iframe'), 'no map of what has ended')
+    walk.no_errors('so far')
+    cairn('delete', job)
+
+
+def another_of(walk, job):
+    """A job of another's log, which the coordinator has."""
+    browser = walk.browser
+    browser.find('a[href^="/new?job="]').click()
+    browser.until(lambda: browser.run('return document.querySelector("[name=job]").value') == job, 'the job')
+    walk.check('from-job')
+    browser.find('form[action="/new/from-job"] button').click()
+    walk.until_says('What to make of it')
+    assert 'controls' in browser.text('.facts'), browser.text()
+    browser.find('a[href$="/landmark_map"]').click()
+    browser.find('[name="set.iterations"]').type('2')
+    browser.find('[value=submit]').click()
+    browser.until(lambda: '/jobs/' in browser.address(), 'the job')
+    other = browser.address().rsplit('/', 1)[1]
+    assert other != job
+    walk.until_says('done', '.title')
+    browser.open(walk.origin + '/new?job=' + other)
+    browser.run('document.querySelector("[name=what]").value = "inputs"')
+    browser.find('form[action="/new/from-job"] button').click()
+    walk.until_says('are not kept any more')
+    browser.errors()  # the browser calls an answer of 400 one
+    browser.find('[name=job]').type(other)
+    browser.run('document.querySelector("[name=what]").value = "results"')
+    browser.find('form[action="/new/from-job"] button').click()
+    walk.until_says('landmark_map.h5', 'h1')
+    for button in ('Remove it from here',) * 2:
+        walk.until_says(button)
+        browser.find('main form[action$="/remove"] button').click()
+        browser.until(lambda: browser.run('return location.pathname') == '/new', 'files')
+        if browser.has('tbody a'):
+            browser.find('tbody a').click()
+    cairn('delete', other)
 
 
 def fail_retry_delete(walk):
@@ -417,6 +517,7 @@ def main():
         strangers(walk, link)
         job = jobs_without_workers(walk)
         run_pause_resume(walk, job)
+        so_far(walk)
         fail_retry_delete(walk)
         another_deletes(walk)
         start_a_job(walk)

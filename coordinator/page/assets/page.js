@@ -44,6 +44,9 @@ function update(here, next) {
   }
   if (here.isEqualNode(next)) return;
   for (const {name} of [...here.attributes]) if (!next.hasAttribute(name)) here.removeAttribute(name);
+  // Another page in a frame is no place to go back to.
+  if (here.nodeName === 'IFRAME' && next.dataset.src !== here.dataset.src) here.contentWindow.location.replace(next.dataset.src);
+  if (here.nodeName === 'IFRAME') next.setAttribute('src', here.getAttribute('src'));
   for (const {name, value} of [...next.attributes]) if (here.getAttribute(name) !== value) here.setAttribute(name, value);
   if (here.nodeName === 'SELECT' && here === document.activeElement) return;  // somebody chooses
   morph(here, next);

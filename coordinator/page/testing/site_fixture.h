@@ -43,7 +43,13 @@ class FakeSource : public Source {
     return nullptr;
   }
 
+  std::shared_ptr<const FetchedResults> SoFar(const std::string& job, const std::string& version) override {
+    fetched.push_back(job + " so far " + version);
+    return so_far;
+  }
+
   FactsPtr facts = std::make_shared<Facts>();
+  std::shared_ptr<const FetchedResults> so_far;
   HistoryPtr history;
   CommandOutcome outcome{true, "1-hall is paused."};
   FetchedResults results{
@@ -88,8 +94,8 @@ class SiteFixture : public ::testing::Test {
     auto facts = std::make_shared<Facts>();
     facts->number = source_->facts->number + 1;
     facts->known = true;
-    facts->list.jobs = std::move(jobs);
-    facts->list.may_submit = may_submit_;
+    facts->list->jobs = std::move(jobs);
+    facts->list->may_submit = may_submit_;
     facts->utc = "12:00:00 UTC";
     facts->trouble = trouble;
     source_->facts = facts;
