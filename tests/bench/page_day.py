@@ -30,13 +30,17 @@ def main():
     browser.run('location.href = "/jobs/1-day"')
     browser.until(lambda: browser.text('#live') == 'live', 'a live page')
     browser.run('window.heard = 0; events.addEventListener("parts", () => ++heard);')
+    def resident_mb():
+        with open(f'/proc/{day.pid}/status') as status:
+            return int(re.search(r'VmRSS:\s+(\d+) kB', status.read())[1]) / 1e3
+
     for line in day.stdout:
         if not re.match(r'\d+ \d+$', line):
             continue  # another link
         hour, bytes_used = map(int, line.split())
         if hour in (1, 2, 4, 8, 16, int(float(hours))):
             script, nodes, listeners = heap(browser)
-            print(f'hour {hour:2}: page program {bytes_used / 1e6:.2f} MB in use; browser {script / 1e6:.2f} MB of script, '
+            print(f'hour {hour:2}: page program {bytes_used / 1e6:.2f} MB in use, {resident_mb():.1f} MB resident; browser {script / 1e6:.2f} MB of script, '
                   f'{nodes:.0f} nodes, {listeners:.0f} listeners, {browser.run("return heard")} events heard', flush=True)
         if hour == int(float(hours)):
             break

@@ -66,28 +66,47 @@ def viewers_cost(coordinator, page, port, cookie, path, viewers, seconds=10):
           f'{(sum(counts) - received) / seconds / 1e3:.0f} kB/s')
 
 
-def round_to_pixel(browser, origin, job, log, seconds=40):
+class Runner:
+    """A job of some minutes that runs, and the next one where that is over."""
+    def __init__(self):
+        self.seed, self.job = 4, None
+
+    def running(self):
+        if self.job is None or json.loads(cairn('status', self.job, '--json'))['state'] not in ('running', 'queued'):
+            self.seed += 1
+            self.job = submit('landmark_map', 'log.h5', '--seed', str(self.seed), '--set', 'cell_m=0.35')
+            until(lambda: 'round 2:' in cairn('logs', self.job), 'rounds')
+        return self.job
+
+
+def round_to_pixel(browser, origin, runner, log, least=20):
     """How much later than in the coordinator's log the line of a round is in the page, in seconds, sorted."""
-    browser.open(origin + '/jobs/' + job)
-    browser.until(lambda: 'round 3:' in browser.text('.log'), 'rounds')
-    browser.run('''window.seen = []; const known = new Set([...document.querySelectorAll(".log li")].map((e) => e.dataset.key));
-      new MutationObserver(() => { for (const li of document.querySelectorAll(".log li")) {
-        if (known.has(li.dataset.key)) continue;
-        known.add(li.dataset.key);
-        requestAnimationFrame(() => seen.push([Date.now() / 1000, li.querySelector("span").textContent])); } })
-      .observe(document.getElementById("parts"), {childList: true, subtree: true});''')
-    time.sleep(seconds)
-    shown = browser.run('return seen')
-    with open(log) as file:
-        lines = [json.loads(line) for line in file if line.startswith('{')]
-    written = {line['message'].split(': ', 1)[-1]: datetime.datetime.strptime(line['time'], '%Y-%m-%dT%H:%M:%S.%f%z')
-               for line in lines if ', round ' in line['message']}
-    return sorted(at - written[text].timestamp() for at, text in shown if text in written)
+    late = []
+    while len(late) < least:
+        job = runner.running()
+        browser.open(origin + '/jobs/' + job)
+        browser.until(lambda: 'round 2:' in browser.text('.log'), 'rounds')
+        browser.run('''window.seen = []; const known = new Set([...document.querySelectorAll(".log li")].map((e) => e.dataset.key));
+          new MutationObserver(() => { for (const li of document.querySelectorAll(".log li")) {
+            if (known.has(li.dataset.key)) continue;
+            known.add(li.dataset.key);
+            requestAnimationFrame(() => seen.push([Date.now() / 1000, li.querySelector("span").textContent])); } })
+          .observe(document.getElementById("parts"), {childList: true, subtree: true});''')
+        until(lambda: len(browser.run('return seen')) >= least or
+              json.loads(cairn('status', job, '--json'))['state'] != 'running', 'rounds that end', 600)
+        shown = browser.run('return seen')
+        with open(log) as file:
+            lines = [json.loads(line) for line in file if line.startswith('{')]
+        written = {line['message'].split(': ', 1)[-1]: datetime.datetime.strptime(line['time'], '%Y-%m-%dT%H:%M:%S.%f%z')
+                   for line in lines if line['message'].startswith(job) and ', round ' in line['message']}
+        late += [at - written[text].timestamp() for at, text in shown if text in written]
+    return sorted(late)
 
 
 def main():
     jobs = int(sys.argv[1]) if len(sys.argv) > 1 else 10000
     viewers = int(sys.argv[2]) if len(sys.argv) > 2 else 50
+    print(f'load of this machine: {os.getloadavg()[0]:.0f}')
     folder = tempfile.TemporaryDirectory(prefix='cairn-page-rates-', ignore_cleanup_errors=True)
     os.chdir(folder.name)
     os.environ.update(HOME=folder.name, CAIRN_HOME=folder.name + '/home')
@@ -119,11 +138,10 @@ def main():
         if jobs:
             cairn('cancel', '--name', 'tour-*', '--state', 'queued')
         service.worker()
-        job = submit('landmark_map', 'log.h5', '--seed', '5', '--set', 'cell_m=0.35')
-        until(lambda: 'round 2:' in cairn('logs', job), 'rounds')
+        runner = Runner()
         for count in (1, viewers):
-            viewers_cost(coordinator.pid, page.pid, port, cookie, '/events?for=/jobs/' + job, count)
-        late = round_to_pixel(browser, origin, job, 'coordinator.log')
+            viewers_cost(coordinator.pid, page.pid, port, cookie, '/events?for=/jobs/' + runner.running(), count)
+        late = round_to_pixel(browser, origin, runner, 'coordinator.log')
         print('from a round\'s end to its pixel: median %.2f s, longest %.2f s of %d' %
               (late[len(late) // 2], late[-1], len(late)))
         browser.close()
