@@ -159,7 +159,7 @@ class Server {
   void AddInputs(const std::string& id, wire::Message& reply);
   void AddBlob(const std::string& name, const Hash& hash, wire::Message& reply);
   bool MayAskWriter(const std::string& peer);
-  void AnswerLog(const std::string& peer, const wire::JobQuery& query);
+  void AnswerLog(const std::string& peer, const std::string& user, const wire::JobQuery& query);
   std::string WhatIsWrong(const wire::JobQuery& query) const;
   std::string WhatIsWrong(const wire::WorkerQuery& query) const;
   void Obey(const std::string& peer, const wire::JobQuery& query, JobCommand command);

@@ -60,6 +60,7 @@ TEST_F(Owners, EverybodySeesWhoseAJobIsAndWhetherItIsHis) {
       EXPECT_EQ(reply.jobs(0).owner(), "ann");
       EXPECT_EQ(reply.jobs(0).foreign(), sees.foreign);
       EXPECT_EQ(reply.may_submit(), sees.may_submit) << "or he is offered what he may not do";
+      EXPECT_EQ(Ask(sees.user, Query("logs", job)).reply().jobs(0).foreign(), sees.foreign);
     }
   EXPECT_TRUE(Ask(other_, Query("logs", job)).reply().ok());
   EXPECT_TRUE(Ask(viewer_, Query("results", job)).reply().ok());

@@ -197,7 +197,7 @@ void Server::Serve(const std::string& peer, const std::string& user, const wire:
   if (const std::string over = command == JobCommand::kRetry ? WhyNoMoreJobs(user) : ""; !over.empty())
     return RefuseAsUnable(peer, wire::RefusalKind::kQuota, over);
   if (command) return Obey(peer, query, *command);
-  if (query.action() == "logs") return AnswerLog(peer, query);
+  if (query.action() == "logs") return AnswerLog(peer, user, query);
   // Asked again while the answer is on its way, or by who does not read: what is read from the disk here
   // stays in memory until it is out.
   const bool wants_blobs =
@@ -277,10 +277,12 @@ bool Server::MayAskWriter(const std::string& peer) {
 
 // By the thread that writes: it has written what was told so far by then. So where the job is over, as it
 // stands now, nothing of how that came is missing.
-void Server::AnswerLog(const std::string& peer, const wire::JobQuery& query) {
+void Server::AnswerLog(const std::string& peer, const std::string& user, const wire::JobQuery& query) {
   if (!MayAskWriter(peer)) return;
   WriteLog();
-  writer_.Add(ReadLogWork{peer, *core_.Find(query.job()), query.after()});
+  wire::JobInfo info = *core_.Find(query.job());
+  info.set_foreign(!access_control_.MayCommand(user, info.owner()));
+  writer_.Add(ReadLogWork{peer, std::move(info), query.after()});
 }
 
 // The core answers, once it is durable: what a service said it did, a crash does not undo.

@@ -261,11 +261,11 @@ void Checks::SeeResult(const std::string& id, std::uint32_t stage, const Hash& r
   known.published[stage] = result;
 }
 
-// More blobs than this nobody can need: inputs and results; partials, shared and kept blobs of the step, of
-// two checkpoints, and of the one under way.
+// More blobs than this nobody can need: inputs and results; partials, shared, kept and shown blobs of the
+// step, of two checkpoints, and of the one under way.
 void Checks::SeeMemory(std::size_t blobs) {
   std::size_t most = 0;
-  for (const auto& [id, known] : jobs_) most += 1 + known.stages + 4 * (known.truth.most_tasks + 2);
+  for (const auto& [id, known] : jobs_) most += 1 + known.stages + 4 * (known.truth.most_tasks + 3);
   if (blobs > most) Fail(std::to_string(blobs) + " blobs in memory, more than " + std::to_string(most));
 }
 
