@@ -25,7 +25,7 @@ def processor_s(pid):
     """Of the process, and of what it has started and waited for."""
     with open(f'/proc/{pid}/stat') as stat:
         fields = stat.read().rsplit(')', 1)[1].split()
-    return sum(int(fields[i]) for i in (11, 12)) / os.sysconf('SC_CLK_TCK')
+    return sum(int(fields[i]) for i in (11, 12, 13, 14)) / os.sysconf('SC_CLK_TCK')
 
 
 def first_paint(browser, origin, count=7):
