@@ -134,9 +134,23 @@ void SayLink(const std::string& link) {
   std::fflush(stdout);
 }
 
+// A run that came to its end has left a report since then.
+std::string HowItEnded(const std::string& run, std::filesystem::file_time_type began) {
+  std::error_code error;
+  const auto written = std::filesystem::last_write_time(std::filesystem::path(run) / "report.html", error);
+  if (!error && written >= began)
+    return "The run is over. What it left is in " + Escaped(run) + ", with its report.html.";
+  return "The run was stopped, or has failed: where it was started it says why. The same command goes on "
+         "with "
+         "what is in " +
+         Escaped(run) + ".";
+}
+
 // A port of any number is known only once it is listened at, so requests wait for the site until then.
 int Serve(const Arguments& a) {
   const std::atomic<bool>& stop = cli::StopOnSignals();
+  const auto began =
+      std::filesystem::file_time_type::clock::now() - std::chrono::seconds(1);  // files' are coarser
   ::signal(SIGPIPE, SIG_IGN);  // who read the link may go; it stays
   const std::string password = ReadPassword(a.password_file);
   CheckAddress(a);
@@ -189,9 +203,8 @@ int Serve(const Arguments& a) {
   woken = server.get();
   while (!stop) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 
-  site->End(a.run.empty()
-                ? "“cairn page” was stopped. Start it again, and open its link, to look on."
-                : "The run is over. What it left is in " + Escaped(a.run) + ", with its report.html.");
+  site->End(a.run.empty() ? "“cairn page” was stopped. Start it again, and open its link, to look on."
+                          : HowItEnded(a.run, began));
   server->Wake();
   constexpr double kFarewell_s = 10;  // for those who look on to hear it, however slow their machine
   const double end_s = Clock_s() + kFarewell_s;

@@ -17,7 +17,7 @@ using coordinator::HttpAnswer;
 using coordinator::HttpRequest;
 
 constexpr double kSignOfLife_s = 10;
-constexpr double kListens_s = 5;  // after it was sent a page does, at the latest
+constexpr double kListens_s = 8;  // after it was asked for a page does, at the latest
 constexpr std::size_t kMostMade = 256;
 constexpr long kMostOfASession = 64;  // streams
 
@@ -140,11 +140,18 @@ bool Site::AwaitsListeners() {
   return !awaited_.empty();
 }
 
+// At the end the coordinator of a run is gone, which would be waited for.
+void Site::LookUnlessOver(const std::string& job, std::function<void()> then) {
+  if (!Farewell().empty()) return then();
+  source_->Look(job, std::move(then));
+}
+
 // One without a script never listens.
 void Site::NotePage(const HttpRequest& request) {
   AwaitsListeners();
   const std::lock_guard lock(mutex_);
-  if (awaited_.size() < kMostMade) awaited_.emplace_back(entrance_.FormToken(request), now_s_());
+  if (awaited_.size() >= kMostMade) awaited_.erase(awaited_.begin());
+  awaited_.emplace_back(entrance_.FormToken(request), now_s_());
 }
 
 void Site::NoteListener(const HttpRequest& request) {
@@ -240,8 +247,8 @@ void Site::AnswerGet(const HttpRequest& request, const Reply& reply) {
   if (path == "/compare") return AnswerComparison(request, reply);
   if (path == "/new" || path.starts_with("/new/")) return AnswerStart(request, reply);
   if (path == "/" || path == "/workers") {
-    source_->Look("", [self = shared_from_this(), view = ViewOf(path, request), request, reply] {
-      self->NotePage(request);
+    NotePage(request);
+    LookUnlessOver("", [self = shared_from_this(), view = ViewOf(path, request), reply] {
       reply->Send(self->PageOf(view));
     });
     return;
@@ -256,7 +263,7 @@ void Site::AnswerGet(const HttpRequest& request, const Reply& reply) {
 
 // Nothing but what is on the list of jobs leads any further, to a file or to the coordinator.
 void Site::AnswerJob(const std::string& job, const std::string& what, const Reply& reply) {
-  source_->Look(job, [self = shared_from_this(), job, what, reply] {
+  LookUnlessOver(job, [self = shared_from_this(), job, what, reply] {
     if (what.empty()) return reply->Send(self->PageOf({.kind = View::Kind::kJob, .job = job}));
     const FactsPtr facts = self->source_->Latest();
     if (facts->Find(job) == nullptr) return reply->Send(NotHere());

@@ -60,6 +60,7 @@ class Site : public std::enable_shared_from_this<Site> {
   // Why who looks on starts no job from here; empty: he may.
   std::string WhyNoStart() const;
   std::string Farewell();
+  void LookUnlessOver(const std::string& job, std::function<void()> then);
   void NotePage(const coordinator::HttpRequest& request);
   void NoteListener(const coordinator::HttpRequest& request);
 

@@ -285,6 +285,13 @@ TEST_F(SiteTest, APageThatWasJustSentIsWaitedForAtTheEnd) {
   Get("/");
   Ask("GET", "/events", {{"for", "/"}});
   EXPECT_FALSE(site_->AwaitsListeners());
+  site_->End("It is over.");
+  const std::size_t looks = source_->looks.size();
+  EXPECT_EQ(Get("/jobs/1-hall").code, 200u);
+  EXPECT_EQ(source_->looks.size(), looks) << "who is gone is not asked";
+  EXPECT_TRUE(site_->AwaitsListeners());
+  EXPECT_NE(Ask("GET", "/events", {{"for", "/jobs/1-hall"}}).stream->Next().find("It is over."),
+            std::string::npos);
 }
 
 TEST_F(SiteTest, OneWhoLooksOnTakesNotAllPlaces) {

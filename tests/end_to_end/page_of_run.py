@@ -8,7 +8,9 @@ import time
 import urllib.parse
 
 from browser import Browser
-from page_service import link_in, until
+from page_service import cairn, link_in, until
+
+STOPPED = 130  # its exit code after Ctrl-C
 
 
 def told_late():
@@ -41,35 +43,32 @@ def told_late():
 
 def main():
     browser = Browser()
+    # Of minutes, so that it is not over before it is looked at, however slow the browser is.
+    cairn('simulate', 'loop', '--difficulty', 'base', '--robots', '4', '--seed', '1', 'long.h5')
     open('run.log', 'w').close()
     with open('run.log', 'ab') as log, open('summary', 'wb') as out:
-        run = subprocess.Popen(['cairn', 'run', 'landmark_map', 'log.h5', '--out', 'shown', '--workers', '1', '--page'],
+        run = subprocess.Popen(['cairn', 'run', 'landmark_map', 'long.h5', '--set', 'cell_m=0.15', '--out', 'shown',
+                                '--workers', '1', '--page'],
                                stdin=subprocess.DEVNULL, stdout=out, stderr=log)
     try:
         link = link_in('run.log')
-        # It must not be over before it is looked at, however slow the browser is.
-        find = ['pgrep', '-P', str(run.pid), '-x', 'cairn-worker']
-        until(lambda: subprocess.run(find, stdout=subprocess.DEVNULL).returncode == 0, 'run.log')
-        workers = [int(pid) for pid in subprocess.check_output(find).split()]
-        for pid in workers:
-            os.kill(pid, signal.SIGSTOP)
         browser.open(link)
         browser.until(lambda: browser.has('#parts a[href="/jobs/run"]'), 'the run')
         for action in ('cancel', 'pause', 'delete'):  # nobody ends it who guesses where that would be
             said = browser.run('const x = new XMLHttpRequest(); x.open("POST", "/jobs/run/" + arguments[0], false); '
                                'x.setRequestHeader("X-Cairn", "page"); x.send(); return x.responseText;', action)
             assert 'commands none' in said, said
-        for pid in workers:
-            os.kill(pid, signal.SIGCONT)
         browser.find('#parts a[href="/jobs/run"]').click()
         browser.until(lambda: browser.has('#stages li'), 'its stages')
         assert not browser.has('[data-action]'), 'a run has buttons that end it'
-        browser.until(lambda: 'The run is over' in browser.text('#told'), 'its end')
+        browser.until(lambda: browser.has('#sofar iframe'), 'its map')
+        run.send_signal(signal.SIGINT)
+        browser.until(lambda: 'The run was stopped' in browser.text('#told'), 'its end')
         assert os.path.abspath('shown') in browser.text('#told'), browser.text('#told')
         errors = browser.errors()
         assert not errors, errors
         browser.close()
-        assert run.wait(120) == 0, open('run.log').read()
+        assert run.wait(120) == STOPPED, open('run.log').read()
     finally:
         run.kill()
         run.wait()
