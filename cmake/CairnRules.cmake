@@ -29,6 +29,7 @@ set(CAIRN_LINKS_datasets_import "datasets/common|ZLIB::.*")
 set(CAIRN_LINKS_datasets_import_recorded "datasets/(common|import)")
 set(CAIRN_LINKS_datasets_bag
   "schema/store|datasets/(common|import)|datasets/import/recorded|SQLite::.*|BZip2::.*|PkgConfig::CAIRN_(LZ4|ZSTD)")
+set(CAIRN_LINKS_datasets_detect "datasets/import|Eigen3::.*")
 set(CAIRN_LINKS_datasets_simulate "datasets/(common|simulate)")
 set(CAIRN_LINKS_datasets_simulate_corridor "datasets/(common|simulate)|pipelines/image_features")
 set(CAIRN_LINKS_datasets_evaluate "datasets/common|datasets/evaluate/(maps|matching)|nlohmann_json::.*")
@@ -71,7 +72,7 @@ set(CAIRN_LINKS_coordinator_cli_output
 set(CAIRN_LINKS_coordinator_cli_commands
   "schema(/.*)?|coordinator|coordinator/(core|store|server|local|scale|scale/engines|cli/(common|job_file|output))|datasets/.*|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_commands_import
-  "schema/store|coordinator/cli/(common|job_file|output)|datasets/(bag|import/recorded)|nlohmann_json::.*")
+  "schema/store|coordinator/cli/(common|job_file|output)|datasets/(bag|detect|import/recorded)|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_commands_simulate
   "schema/store|coordinator/cli/(common|output)|datasets/bag|datasets/simulate(/.*)?|nlohmann_json::.*")
 set(CAIRN_LINKS_coordinator_cli_reproduce

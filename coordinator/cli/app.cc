@@ -21,6 +21,7 @@ void AddCommands(Command app, Invocation& call) {
   AddCoordinator(app, call);
   AddSimulate(app, call);
   AddImport(app, call);
+  AddLandmarks(app, call);
   AddPipelines(app, call);
   AddInspect(app, call);
   AddEvaluate(app, call);

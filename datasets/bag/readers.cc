@@ -167,7 +167,8 @@ class ScanReader : public TopicReader {
             "header.stamp",
             "range_min",
             "header.frame_id",
-            "ranges"};
+            "ranges",
+            has_echoes_ ? "intensities.echoes" : "intensities"};
   }
   std::size_t needed() const override { return 5; }
   void Take(const std::vector<Found>& found, const Message& message, TopicClock* clock) override {
@@ -192,6 +193,8 @@ class ScanReader : public TopicReader {
     const double least = FirstNumber(found[5]);
     for (double& range : event.range_m)
       if (!(range >= least)) range = kNone;
+    if (found[8].numbers.size() == ranges.size())
+      event.intensity.assign(found[8].numbers.begin(), found[8].numbers.end());
     topic_.events.push_back(std::move(event));
   }
 

@@ -46,15 +46,18 @@ kinds::PoseTable TableOf(const Poses& poses) {
 kinds::Log::RangeSensor SensorOf(const RangeRows& rows) {
   const auto scans = static_cast<std::int64_t>(rows.time_s.size()),
              beams = static_cast<std::int64_t>(rows.beam_x_m.size());
-  return {rows.sensor,
-          rows.time_s,
-          {{scans, beams}, rows.range_m},
-          rows.beam_x_m,
-          rows.beam_y_m,
-          rows.beam_heading_rad,
-          {},
-          rows.opening_rad,
-          rows.max_range_m};
+  kinds::Log::RangeSensor sensor{rows.sensor,
+                                 rows.time_s,
+                                 {{scans, beams}, rows.range_m},
+                                 rows.beam_x_m,
+                                 rows.beam_y_m,
+                                 rows.beam_heading_rad,
+                                 {},
+                                 rows.opening_rad,
+                                 rows.max_range_m,
+                                 {}};
+  if (!rows.intensity.empty()) sensor.intensity = Column<float>({scans, beams}, rows.intensity);
+  return sensor;
 }
 
 void PutRobot(const RobotRows& robot, std::size_t index, Blob* log) {

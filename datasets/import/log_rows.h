@@ -89,6 +89,7 @@ struct RangeRows {
   std::vector<double> beam_x_m, beam_y_m, beam_heading_rad;
   double opening_rad = 0, max_range_m = 0;
   std::vector<double> time_s, range_m;  // range_m: a row of all beams for each scan
+  std::vector<float> intensity;         // the same; empty: the sensor does not say
 };
 struct RobotRows {
   std::string name;

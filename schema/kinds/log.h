@@ -39,12 +39,14 @@ struct Log {
     std::string sensor;
     Column<double> time_s, range_m, beam_x_m, beam_y_m, beam_heading_rad, turret_rad, opening_rad,
         max_range_m;
+    Column<float> intensity;
     static void Fields(const auto& field) {
       field(Needed("time_s", "K", Rising()), &RangeSensor::time_s);
       field(Needed("range_m", "K,B", NotNegative().OrNan()), &RangeSensor::range_m);
       field(Needed("beam_x_m", "B", Position()), &RangeSensor::beam_x_m);
       field(Needed("beam_y_m", "B", Position()), &RangeSensor::beam_y_m);
       field(Needed("beam_heading_rad", "B", Finite()), &RangeSensor::beam_heading_rad);
+      field({"intensity", "K,B", Free()}, &RangeSensor::intensity);
       field({"turret_rad", "K", Finite()}, &RangeSensor::turret_rad);
       field(Needed("opening_rad", "", Between(0, 3.15)), &RangeSensor::opening_rad);
       field(Needed("max_range_m", "", Positive()), &RangeSensor::max_range_m);

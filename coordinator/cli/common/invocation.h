@@ -51,6 +51,7 @@ void AddBackup(Command app, Invocation& call);  // restore too
 void AddCheck(Command app, Invocation& call);
 void AddClean(Command app, Invocation& call);
 void AddImport(Command app, Invocation& call);
+void AddLandmarks(Command app, Invocation& call);
 void AddSimulate(Command app, Invocation& call);
 void AddInspect(Command app, Invocation& call);
 void AddEvaluate(Command app, Invocation& call);

@@ -92,6 +92,9 @@ CarmenScan ParseScan(const Fields& line, CarmenForm form) {
     if (end >= line.size()) line.Need(end + 1, declared);
     const std::size_t remissions = line.Count(end, kMostBeams);
     declared += " and " + std::to_string(remissions) + " remissions";
+    if (remissions == beams && end + remissions < line.size())
+      for (std::size_t i = 0; i < beams; ++i)
+        scan.remission.push_back(static_cast<float>(line.Number(end + 1 + i)));
     end += 1 + remissions;
   }
   const std::size_t poses = end;

@@ -34,6 +34,7 @@ bool IsUnusedMessage(std::string_view message);
 struct CarmenScan {
   double stamp_s = 0;
   std::vector<double> range_m;
+  std::vector<float> remission;                            // of each range, or none
   std::optional<double> start_rad, step_rad, max_range_m;  // of the messages that have them
   std::optional<Pose> laser, robot;
 };

@@ -82,6 +82,7 @@ class Reader {
     event->event.odometry = scan.robot;
     event->event.sensor = static_cast<std::size_t>(source - log_.sources.begin());
     event->event.range_m = std::move(scan.range_m);
+    event->event.intensity = std::move(scan.remission);
   }
 
   void ReadSonar(const Fields& line, RangeEvent* event) {

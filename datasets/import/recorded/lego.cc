@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "datasets/common/text_file.h"
+#include "datasets/import/recorded/range_log.h"
 #include "datasets/import/recorded/recorded.h"
 #include "schema/error.h"
 
@@ -111,6 +112,30 @@ void ReadPoles(const std::string& path, BadLines* bad, const std::vector<double>
   }
 }
 
+// A Hokuyo's; rows belong together by their numbers.
+void ReadScans(const std::string& path, BadLines* bad, const std::vector<double>& times, RobotRows* robot) {
+  constexpr std::size_t kBeams = 660, kAhead = kBeams / 2, kBefore = 2;  // the time, the number of ranges
+  constexpr double kStep_rad = 0.006135923151543, kTurned_rad = -0.06981317007977318;
+  constexpr double kLeast_m = 0.02, kReach_m = 4;
+  RangeRows laser;
+  laser.sensor = "laser";
+  laser.max_range_m = kReach_m;
+  for (std::size_t beam = 0; beam < kBeams; ++beam) {
+    laser.beam_x_m.push_back(kScannerAhead_m);
+    laser.beam_y_m.push_back(0);
+    laser.beam_heading_rad.push_back((static_cast<double>(beam) - static_cast<double>(kAhead)) * kStep_rad +
+                                     kTurned_rad);
+  }
+  const auto rows = LetteredFile(path, bad).Rows(kBefore + kBeams, false);
+  for (std::size_t i = 0; i < std::min(rows.size(), times.size()); ++i) {
+    if (rows[i].empty()) continue;
+    laser.time_s.push_back(times[i]);
+    for (std::size_t beam = 0; beam < kBeams; ++beam)
+      laser.range_m.push_back(Answer(rows[i][kBefore + beam] * kMetres, kLeast_m, kReach_m));
+  }
+  robot->ranges.push_back(std::move(laser));
+}
+
 void ReadReference(const std::string& path, BadLines* bad, const std::vector<double>& times, Poses* truth) {
   constexpr double kStep_m = 0.02;
   if (path.empty()) return;
@@ -167,7 +192,10 @@ ImportReport ImportLegoRobot(const RecordedImportOptions& options, Blob* log) {
   robot.name = "lego";
   const std::vector<double> times =
       ReadMotors(NeedFile(options.folder, "robot4_motors.txt"), &bad, &robot.odometry);
-  ReadPoles(NeedFile(options.folder, "cylinders.txt"), &bad, times, &robot.observations);
+  if (options.scans)
+    ReadScans(NeedFile(options.folder, "robot4_scan.txt"), &bad, times, &robot);
+  else
+    ReadPoles(NeedFile(options.folder, "cylinders.txt"), &bad, times, &robot.observations);
   ReadReference(FindFile(options.folder, "robot4_reference.txt"), &bad, times, &robot.truth);
   ReadArena(FindFile(options.folder, "robot_arena_landmarks.txt"), &bad, &rows);
   report.skipped = bad.counts();

@@ -124,6 +124,18 @@ void AddScan(const RangeEvent& event, ImportReport* report, RangeRows* sensor) {
     if (!answered) ++report->read["readings of " + sensor->sensor + " without an answer within its reach"];
     sensor->range_m.push_back(answered ? range : std::numeric_limits<double>::quiet_NaN());
   }
+  // Of a sensor with some, each reading has one, or NaN.
+  if (event.intensity.empty() && sensor->intensity.empty()) return;
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  sensor->intensity.resize(sensor->range_m.size() - event.range_m.size(), kNone);
+  sensor->intensity.insert(sensor->intensity.end(), event.intensity.begin(), event.intensity.end());
+  sensor->intensity.resize(sensor->range_m.size(), kNone);
+}
+
+// Drivers that know none write zeros.
+void DropConstantIntensities(RangeRows* sensor) {
+  const auto differs = [&](float one) { return !std::isnan(one) && one != sensor->intensity.front(); };
+  if (std::ranges::none_of(sensor->intensity, differs)) sensor->intensity.clear();
 }
 
 // Puts the events in order, at times that tell them apart.
@@ -154,6 +166,7 @@ void AddSensed(RangeLog* log, double first_s, double last_s, NameIndex* known, I
     }
     if (event.sensor) AddScan(event, report, &log->sensors[*event.sensor]);
     std::vector<double>().swap(event.range_m);  // the log has it now
+    std::vector<float>().swap(event.intensity);
     if (event.landmark)
       robot.observations.Add(event.stamp_s,
                              event.landmark->name.empty() ? -1 : names.FindOrAdd(event.landmark->name),
@@ -164,6 +177,7 @@ void AddSensed(RangeLog* log, double first_s, double last_s, NameIndex* known, I
     if (event.mark) robot.observations.Add(event.stamp_s, landmark, kNan, kNan);
   }
   for (RangeRows& sensor : log->sensors) {
+    DropConstantIntensities(&sensor);
     if (!sensor.time_s.empty()) robot.ranges.push_back(std::move(sensor));
   }
 }
@@ -185,6 +199,10 @@ void AddRobot(RangeLog* ranges, BadLines* bad, NameIndex* names, ImportReport* r
 }
 
 }  // namespace
+
+double Answer(double range_m, double least_m, double reach_m) {
+  return range_m > least_m && range_m < reach_m ? range_m : std::numeric_limits<double>::quiet_NaN();
+}
 
 RangeRows LaserFan(const std::string& sensor, std::size_t beams, double step_deg, double ahead_m,
                    double max_range_m) {

@@ -31,6 +31,7 @@ struct RangeEvent {
   std::vector<double> range_m;
   std::optional<std::string> mark;  // what a person said of the place: a contact detection
   std::optional<LandmarkSeen> landmark = {};
+  std::vector<float> intensity = {};  // of each range, or none
 };
 
 struct RangeLog {
@@ -45,6 +46,9 @@ struct RangeLog {
 // Beams of a laser from right to left about its middle, at `ahead_m` on the robot.
 RangeRows LaserFan(const std::string& sensor, std::size_t beams, double step_deg, double ahead_m,
                    double max_range_m);
+
+// The range, or NaN where it is no answer: `least_m` and less, or the sensor's reach and more.
+double Answer(double range_m, double least_m, double reach_m);
 
 // A log (schema/FORMAT.md) of one robot, or of several that see the same landmarks. Where the stamps do not
 // tell the scans apart (or `numbered`), time is the number of the event. Else events are put in the order of

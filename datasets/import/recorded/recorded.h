@@ -14,6 +14,7 @@ struct RecordedImportOptions {
   std::string folder;
   bool skip_bad = false;  // skip bad lines and count them by reason, instead of stopping at the first
   NoiseParameters noise;  // neither recording states any
+  bool scans = false;     // the laser's scans, instead of what their makers found in them
 };
 
 // Claus Brenner's LEGO robot among six poles: robot4_motors.txt (ticks), cylinders.txt (poles that a detector

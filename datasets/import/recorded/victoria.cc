@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "datasets/import/recorded/dat_reader.h"
+#include "datasets/import/recorded/range_log.h"
 #include "datasets/import/recorded/recorded.h"
 #include "schema/error.h"
 
@@ -25,7 +26,10 @@ class VictoriaImport {
     RobotRows& robot = rows_.robots.emplace_back();
     robot.name = "car";
     ReadControls(&robot.odometry);
-    ReadTrees(&robot);
+    if (options_.scans)
+      ReadScans(&robot);
+    else
+      ReadTrees(&robot);
     ReadGps(&robot.truth);
     report_.skipped = bad_.counts();
     *log = MakeLog(rows_, options_.folder, &report_);
@@ -86,6 +90,22 @@ class VictoriaImport {
       for (std::size_t k = 0; k < kTreesAScan; ++k) AddTree(time_s, range[k], angle[k], &robot->observations);
       robot->observations.from.line.resize(robot->observations.time_s.size(), range.line());
     }
+  }
+
+  // Its clock is that of the fixes.
+  void ReadScans(RobotRows* robot) {
+    constexpr std::size_t kBeams = 361;
+    constexpr double kStep_deg = 0.5, kReach_m = 81;
+    RangeRows laser = LaserFan("laser", kBeams, kStep_deg, kLaserAhead_m, kReach_m);
+    laser.beam_y_m.assign(kBeams, kLaserLeft_m);
+    DatReader reader(Need("LASER.txt"), kBeams + 1, &bad_);
+    while (reader.Next()) {
+      if (!reader.InOrder()) continue;
+      laser.time_s.push_back(reader[0] + kGpsBehind_s);
+      for (std::size_t beam = 0; beam < kBeams; ++beam)
+        laser.range_m.push_back(Answer(reader[1 + beam], 0, kReach_m));
+    }
+    robot->ranges.push_back(std::move(laser));
   }
 
   static void AddTree(double time_s, double range_m, double angle_rad, Observations* observations) {

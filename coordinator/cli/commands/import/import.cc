@@ -236,6 +236,9 @@ void AddRecorded(Command import, Invocation& call, const char* name, const char*
   const auto options =
       AddCommand<RecordedOptions>(import, call, name, what, example, ImportRecorded<Import>, &command);
   command.Add("FOLDER", options->import.folder, "Its files, plain or gzipped").Required();
+  command.AddFlag(
+      "--scans", options->import.scans,
+      "Take the laser's scans, instead of the landmarks that the recording's makers found in them");
   AddNoiseOptions(command, options->import.noise);
   AddOutput(command, *options);
 }
