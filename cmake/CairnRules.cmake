@@ -28,7 +28,7 @@ set(CAIRN_LINKS_datasets_inspect "schema/store|datasets/common|nlohmann_json::.*
 set(CAIRN_LINKS_datasets_import "datasets/common|ZLIB::.*")
 set(CAIRN_LINKS_datasets_import_recorded "datasets/(common|import)")
 set(CAIRN_LINKS_datasets_bag
-  "schema/store|datasets/(common|import)|datasets/import/recorded|SQLite::.*|BZip2::.*|PkgConfig::CAIRN_(LZ4|ZSTD)")
+  "schema/store|datasets/(common|detect|import)|datasets/import/recorded|SQLite::.*|BZip2::.*|PkgConfig::CAIRN_(LZ4|ZSTD)")
 set(CAIRN_LINKS_datasets_detect "datasets/import|Eigen3::.*")
 set(CAIRN_LINKS_datasets_simulate "datasets/(common|simulate)")
 set(CAIRN_LINKS_datasets_simulate_corridor "datasets/(common|simulate)|pipelines/image_features")
@@ -50,6 +50,7 @@ set(CAIRN_LINKS_datasets_reproduce_local
   "datasets/reproduce/occupancy|datasets/evaluate/maps|datasets/report/pages|datasets/simulate/(hall|office)")
 set(CAIRN_LINKS_datasets_reproduce_ball "datasets/reproduce|datasets/evaluate/learning|datasets/simulate/corridor")
 set(CAIRN_LINKS_datasets_images "datasets/import|cairn::opencv_(core|imgcodecs)")
+set(CAIRN_LINKS_datasets_tags "cairn::opencv_(core|imgcodecs)|apriltag::.*")
 set(CAIRN_LINKS_worker
   "schema(/.*)?|pipelines|worker(/.*)?|CLI11::.*|spdlog::.*|nlohmann_json::.*|Threads::Threads")
 # The client; then the folders of the service, each built on those before it.

@@ -19,7 +19,7 @@ build_packages=(
   libprotobuf-dev libeigen3-dev libzmq3-dev cppzmq-dev libhdf5-dev libsqlite3-dev libxxhash-dev
   libbz2-dev liblz4-dev libzstd-dev
   libmicrohttpd-dev libjemalloc-dev
-  libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
+  libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libapriltag-dev
   libfmt-dev libspdlog-dev libcli11-dev libyaml-cpp-dev nlohmann-json3-dev zlib1g-dev libgtest-dev
   patch # Simulation.PlantedBugsApply
 )

@@ -40,7 +40,7 @@ fi
 
 if [ -z "$tree" ]; then
   say "building"
-  deploy/build.sh release cairn cairn-worker cairn-page cairn-images cairn-sim cairn-reproduce
+  deploy/build.sh release cairn cairn-worker cairn-page cairn-images cairn-tags cairn-sim cairn-reproduce
   tree=$root/build/release
 fi
 umask 022
@@ -52,10 +52,10 @@ release=1
 maintainer="${DEBFULLNAME:-The Cairn developers} <${DEBEMAIL:-cairn@example.org}>"
 epoch=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || date +%s)}
 
-# records WORD…: what that command's help says (help.awk). cairn-images is called by cairn alone: it has a line, no help.
+# records WORD…: what that command's help says (help.awk). cairn-images and cairn-tags are called by cairn alone: they have a line, no help.
 records() {
-  if [ "$1" = cairn-images ]; then
-    { cairn-images 2>&1 || true; } | sed 's/^\(.*\): \(.*\)$/\2\nUsage: \1/'
+  if [ "$1" = cairn-images ] || [ "$1" = cairn-tags ]; then
+    { "$1" 2>&1 || true; } | sed 's/^\(.*\): \(.*\)$/\2\nUsage: \1/'
   else
     "$@" --help
   fi | awk -f deploy/package/help.awk
@@ -132,8 +132,8 @@ documents() {
 # What decodes images is a package of its own: cairn without it takes a third of the libraries.
 split_images() {
   install -d "$images/usr/bin" "$images/usr/share/man/man1"
-  mv "$stage/usr/bin/cairn-images" "$images/usr/bin"
-  mv "$share/man/man1/cairn-images.1.gz" "$images/usr/share/man/man1"
+  mv "$stage"/usr/bin/cairn-{images,tags} "$images/usr/bin"
+  mv "$share"/man/man1/cairn-{images,tags}.1.gz "$images/usr/share/man/man1"
   papers "$images" cairn-images
 }
 

@@ -28,6 +28,7 @@ class TopicChoice {
     ChoosePoses("--truth", options_.truth, &into_.truth, &into_.truth_by_tf);
     ChoosePoses("--poses", options_.poses, &into_.poses, &into_.poses_by_tf);
     for (const std::string& text : options_.landmarks) ChooseLandmarks(ParseLandmarkSource(text));
+    for (const std::string& text : options_.tags) ChooseTags(ParseTagSource(text));
     CompareWithOtherOdometries();
   }
 
@@ -70,6 +71,21 @@ class TopicChoice {
                        FieldsOf(topic));
     add_(topic, ReadLandmarks(topic.type, &into_.landmarks, &into_.tags));
     into_.followed.with_tags = true;
+  }
+
+  // Images lie beside their camera_info, compressed ones below.
+  void ChooseTags(TagSource source) {
+    const Topic& topic = FindTopic(topics_, source.topic, {Use::kImage}, "--tags");
+    TagCamera& camera = *into_.cameras.emplace_back(std::make_unique<TagCamera>(std::move(source), options_));
+    add_(topic, camera.ReadImages(topic.type));
+    if (camera.has_camera()) return;
+    std::string at = topic.name;
+    for (int up = 0; up < 2 && !at.empty(); ++up) {
+      at.resize(std::min(at.rfind('/'), at.size()));
+      const auto info = std::ranges::find(topics_, at + "/camera_info", &Topic::name);
+      if (info == topics_.end() || info->use == nullptr || info->use->use != Use::kCamera) continue;
+      return add_(*info, camera.ReadInfo());
+    }
   }
 
   std::string FieldsOf(const Topic& topic) const {
@@ -259,12 +275,16 @@ BagImportOptions OptionsOfRobot(const BagImportOptions& options, const std::vect
     for (std::string& name : *names) name = resolve(name);
     std::erase(*names, "");
   }
-  for (std::string& text : own.landmarks) {
-    const std::size_t colon = std::min(text.find(':'), text.size());
-    const std::string name = resolve(text.substr(0, colon));
-    text = name.empty() ? "" : name + text.substr(colon);
-  }
-  std::erase(own.landmarks, "");
+  const auto resolve_before = [&](char end, std::vector<std::string>* texts) {
+    for (std::string& text : *texts) {
+      const std::size_t at = std::min(text.find(end), text.size());
+      const std::string name = resolve(text.substr(0, at));
+      text = name.empty() ? "" : name + text.substr(at);
+    }
+    std::erase(*texts, "");
+  };
+  resolve_before(':', &own.landmarks);
+  resolve_before('=', &own.tags);
   return own;
 }
 

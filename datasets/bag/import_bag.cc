@@ -89,6 +89,7 @@ class BagImport {
     for (const auto& one : bags_) ReadBag(one.get());
     CheckSkipped();
     for (bag::Gathered& robot : robots_) {
+      for (const auto& camera : robot.cameras) camera->Finish(&report_);
       robot.noise = options_.noise;
       robot.mounts = options_.mounts;
       robot.path = bags_.size() == 1 ? bags_.front()->path() : options_.files.front() + " and others";
@@ -108,6 +109,7 @@ class BagImport {
     BagImportOptions places = options_;
     places.scans = places.sonars = {"none"};
     places.landmarks.clear();
+    places.tags.clear();
     places.cloud.clear();
     BagImport first(places);
     first.Gather();

@@ -1,6 +1,7 @@
 // `cairn import bag`: bags of ROS 1 (.bag) and ROS 2 (.db3, .mcap), read without ROS.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -28,7 +29,11 @@ struct BagImportOptions {
   std::string cloud;  // "LOW_M,HIGH_M,REACH_M" (cloud.h): of scans that are clouds of points
   // Only where they are named: a pose may be where somebody wants the robot to go.
   std::string truth, poses;
-  std::vector<std::string> landmarks;     // "TOPIC", "TOPIC:x=FIELD,y=FIELD", … (landmark_readers.h)
+  std::vector<std::string> landmarks;  // "TOPIC", "TOPIC:x=FIELD,y=FIELD", … (landmark_readers.h)
+  std::vector<std::string> tags;       // "TOPIC=SIZE_M": AprilTags in images (tag_images.h)
+  std::string tag_family = "tag36h11", camera;
+  // The tags of a family in images, as cairn-tags has both (datasets/tags/find_tags.h).
+  std::function<std::string(const std::string& family, const std::string& images)> find_tags;
   std::string base;                       // the robot's frame; empty: that of the odometry
   std::map<std::string, Pose> mounts;     // where a sensor sits on the robot, by topic or frame; else by tf
   bool by_receipt = false;                // times are the recorder's, not those of the messages' headers

@@ -93,6 +93,29 @@ TEST_F(ImportBagTest, SensorsSitWhereTfSays) {
   EXPECT_EQ(Column<double>("robot/0/laser/beam_x_m")[0], 0.5);
 }
 
+// Of a scan that has none there is nothing; drivers that know none write zeros.
+TEST_F(ImportBagTest, IntensitiesComeInWhereTheySaySomething) {
+  auto messages = bag::SmallDrive(To::kRos1);
+  const auto scans_with = [&](const std::vector<float>& first, const std::vector<float>& others) {
+    bool is_first = true;
+    for (BagMessage& message : messages) {
+      if (message.topic != "/scan") continue;
+      message.bytes = bag::ScanMessage(To::kRos1, message.receive_s, {1, 2, 3, 4, 5}, "base_link",
+                                       is_first ? first : others);
+      is_first = false;
+    }
+    Import(bag::Ros1Bytes(messages));
+    return log_.Has("robot/0/laser/intensity");
+  };
+  EXPECT_FALSE(scans_with({}, {}));
+  EXPECT_FALSE(scans_with({0, 0, 0, 0, 0}, {0, 0, 0, 0, 0}));
+  ASSERT_TRUE(scans_with({}, {10, 20, 30, 40, 50}));
+  const auto intensity = Column<float>("robot/0/laser/intensity");
+  EXPECT_TRUE(std::isnan(intensity[4]));
+  EXPECT_EQ(intensity[7], 30);
+  EXPECT_EQ(log_.at("robot/0/laser/intensity").shape(), log_.at("robot/0/laser/range_m").shape());
+}
+
 TEST_F(ImportBagTest, WithoutATopicOfOdometryTheFrameThatMovesOnOdomCounts) {
   std::vector<BagMessage> messages;
   for (BagMessage& message : bag::SmallDrive(To::kRos1)) {

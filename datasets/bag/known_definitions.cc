@@ -60,6 +60,16 @@ constexpr std::array kKnown = {
           "std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\nbool "
           "is_bigendian\n"
           "uint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense\n"},
+    Known{"sensor_msgs/Image",
+          "std_msgs/Header header\nuint32 height\nuint32 width\nstring encoding\nuint8 is_bigendian\n"
+          "uint32 step\nuint8[] data\n"},
+    Known{"sensor_msgs/CompressedImage", "std_msgs/Header header\nstring format\nuint8[] data\n"},
+    Known{"sensor_msgs/RegionOfInterest",
+          "uint32 x_offset\nuint32 y_offset\nuint32 height\nuint32 width\nbool do_rectify\n"},
+    Known{"sensor_msgs/CameraInfo",
+          "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\nfloat64[] d\n"
+          "float64[9] k\nfloat64[9] r\nfloat64[12] p\nuint32 binning_x\nuint32 binning_y\n"
+          "sensor_msgs/RegionOfInterest roi\n"},
     Known{"sensor_msgs/JointState",
           "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\n"
           "float64[] effort\n"},

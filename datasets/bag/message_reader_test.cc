@@ -29,7 +29,7 @@ constexpr const char* kText =
     "bool last true\n"
     "================\nMSG: pkg/msg/Part\nfloat64 value\nstring[] words\n";
 
-std::string Message(Encoder::To to) {
+std::string EncodedMessage(Encoder::To to) {
   Encoder out(to);
   out.Put<std::uint8_t>(7).Put<std::int16_t>(-1).Put<std::int16_t>(2).Put<std::int16_t>(3);
   out.Put<std::uint32_t>(2);
@@ -46,7 +46,7 @@ TEST(MessageReader, FindsFieldsByNameInAnyEncoding) {
     MessageReader reader(definition, to == Encoder::To::kRos1 ? Wire::kRos1 : Wire::kCdr,
                          {"kind", "triple", "parts.value", "parts.words", "name", "few", "stamp", "last",
                           "parts", "none", "KIND"});
-    const std::string message = Message(to);
+    const std::string message = EncodedMessage(to);
     const std::vector<Found>& found = reader.Read(std::as_bytes(std::span(message)));
     EXPECT_EQ(found[0].numbers, (std::vector<double>{7}));
     EXPECT_EQ(found[1].numbers, (std::vector<double>{-1, 2, 3}));
@@ -65,7 +65,7 @@ TEST(MessageReader, FindsFieldsByNameInAnyEncoding) {
 TEST(MessageReader, RefusesWhatDoesNotMatchItsDefinition) {
   const Definition definition = ParseDefinition("pkg/Whole", kText);
   MessageReader reader(definition, Wire::kRos1, {"kind"});
-  const std::string whole = Message(Encoder::To::kRos1);
+  const std::string whole = EncodedMessage(Encoder::To::kRos1);
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const std::string cut = whole.substr(0, size);
     EXPECT_NE(DamageOf([&] { reader.Read(std::as_bytes(std::span(cut))); }), "") << size;

@@ -56,17 +56,19 @@ class BagLog {
     PlaceTags(in_.path, std::move(in_.tags), in_.followed.tags, &in_.landmarks, &report_);
     for (const FrameSighting& frame : in_.followed.seen) in_.landmarks.push_back(frame.seen);
     for (const Sighting& seen : in_.landmarks) AddLandmark(seen);
+    for (const auto& camera : in_.cameras) AddTags(*camera);
     // Topics come one after the other; MakeRangeLog wants them in the order of time, as far as that goes.
     std::ranges::stable_sort(ranges_.events, {}, &RangeEvent::stamp_s);
     if (!noise->heading_walk_rad_per_sqrt_m)
       noise->heading_walk_rad_per_sqrt_m = in_.noise.heading_walk_rad_per_sqrt_m;
+    if (tags_ > 0 && !noise->range_m) noise->range_m = std::sqrt(tag_range_squares_ / tags_);
+    if (tags_ > 0 && !noise->bearing_rad) noise->bearing_rad = std::sqrt(tag_bearing_squares_ / tags_);
     return std::move(ranges_);
   }
 
   // Where what lies in `frame` lies on the robot. Throws InputError where nothing says so.
   Transform MountOf(const std::string& topic, const std::string& frame) {
-    for (const std::string& name : {topic, frame, WithoutRobot(topic), WithoutRobot(frame)})
-      if (const auto given = in_.mounts.find(name); given != in_.mounts.end()) return Level(given->second);
+    if (const auto given = GivenMount(topic, frame)) return Level(*given);
     const bool is_usual = std::ranges::find(kUsualBases, WithoutRobot(frame)) != kUsualBases.end();
     if (frame == in_.base || (in_.base.empty() && is_usual)) return {};
     if (frame.empty()) {
@@ -87,6 +89,12 @@ class BagLog {
   }
 
  private:
+  std::optional<Pose> GivenMount(const std::string& topic, const std::string& frame) const {
+    for (const std::string& name : {topic, frame, WithoutRobot(topic), WithoutRobot(frame)})
+      if (const auto given = in_.mounts.find(name); given != in_.mounts.end()) return given->second;
+    return std::nullopt;
+  }
+
   void TakeOdometryOfFrames() {
     auto moving = in_.frames.MovingOn("odom", in_.robot);
     if (!in_.base.empty())
@@ -324,6 +332,39 @@ class BagLog {
     ranges_.events.push_back(std::move(event));
   }
 
+  // Of a camera's optical frame, x to the right and z ahead. One that somebody places looks along its x axis,
+  // as does a frame whose z axis points up: that of the camera's body.
+  Transform MountOfCamera(const TagCamera& camera) {
+    const Transform mount = MountOf(camera.source().topic, camera.frame());
+    const Transform optical{0, 0, 0, -0.5, 0.5, -0.5, 0.5};
+    constexpr double kUpright = 0.9;
+    const double up = Apply(mount, {0, 0, 1}).z - mount.z;
+    return up > kUpright ? Compose(mount, optical) : mount;
+  }
+
+  // With how far off it may be along and across the way to it.
+  void AddTags(const TagCamera& camera) {
+    if (camera.seen().empty()) return;
+    const Transform mount = MountOfCamera(camera), back = Inverse(mount);
+    for (const TagCamera::Seen& seen : camera.seen()) {
+      const PointInSpace at = Apply(mount, seen.tag.point);
+      const double range_m = std::hypot(at.x, at.y);
+      const auto variance_along = [&](double x, double y) {
+        const PointInSpace end = Apply(back, {mount.x + x, mount.y + y, mount.z});
+        const Eigen::Vector3d direction(end.x, end.y, end.z);
+        return direction.dot(seen.covariance * direction);
+      };
+      tag_range_squares_ += variance_along(at.x / range_m, at.y / range_m);
+      tag_bearing_squares_ += variance_along(-at.y / range_m, at.x / range_m) / (range_m * range_m);
+      tags_ += 1;
+      RangeEvent event;
+      event.line = seen.tag.number;
+      event.stamp_s = seen.tag.time_s;
+      event.landmark = {seen.tag.name, range_m, std::atan2(at.y, at.x)};
+      ranges_.events.push_back(std::move(event));
+    }
+  }
+
   LandmarkSeen PlaceOf(const Sighting& seen) {
     const auto [mount, is_new] = cameras_.try_emplace(seen.frame);
     if (is_new) mount->second = MountOf(seen.frame.empty() ? "--landmarks" : seen.frame, seen.frame);
@@ -335,6 +376,7 @@ class BagLog {
   ImportReport& report_;
   RangeLog ranges_;
   std::size_t lasers_ = 0;
+  double tags_ = 0, tag_range_squares_ = 0, tag_bearing_squares_ = 0;
   std::map<std::string, Transform> cameras_;  // by frame
   std::set<std::string> warned_;
 };

@@ -10,6 +10,7 @@
 #include "datasets/bag/fixes.h"
 #include "datasets/bag/gyro.h"
 #include "datasets/bag/readers.h"
+#include "datasets/bag/tag_images.h"
 #include "datasets/import/log_rows.h"
 #include "schema/blob.h"
 
@@ -39,6 +40,7 @@ struct Gathered {
   FixRows fixes;                                  // the truth, where it has a topic
   std::vector<Sighting> landmarks;
   std::vector<FrameSighting> tags;  // detections of tags that are where their frames are
+  std::vector<std::unique_ptr<TagCamera>> cameras;
   FollowedFrames followed;
   std::vector<Topic> topics;  // all that there are
 };

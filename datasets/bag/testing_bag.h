@@ -76,11 +76,12 @@ inline std::string OdometryMessage(Encoder::To to, double stamp_s, double x, dou
 }
 
 inline std::string ScanMessage(Encoder::To to, double stamp_s, const std::vector<float>& ranges,
-                               const std::string& frame = "base_link") {
+                               const std::string& frame = "base_link",
+                               const std::vector<float>& intensities = {}) {
   Encoder out(to);
   out.Header(stamp_s, frame);
   for (const float value : {-1.0F, 1.0F, 0.5F, 0.0F, 0.0F, 0.1F, 20.0F}) out.Put(value);
-  return out.Floats(ranges).Floats({}).text();
+  return out.Floats(ranges).Floats(intensities).text();
 }
 
 inline std::string TransformMessage(Encoder::To to, double stamp_s, const std::string& parent,
@@ -170,7 +171,7 @@ inline std::string DefinitionText(const std::string& type, bool is_ros1, const s
         "geometry_msgs/Pose", "geometry_msgs/PoseStamped", "geometry_msgs/PoseWithCovariance",
         "geometry_msgs/Transform", "geometry_msgs/TransformStamped", "geometry_msgs/Twist",
         "geometry_msgs/TwistWithCovariance", "sensor_msgs/LaserEcho", "apriltag_msgs/AprilTagDetection",
-        "sensor_msgs/NavSatStatus", "sensor_msgs/PointField"}) {
+        "sensor_msgs/NavSatStatus", "sensor_msgs/PointField", "sensor_msgs/RegionOfInterest"}) {
     text += std::string(80, '=') + "\nMSG: " + part + "\n";
     if (is_ros1 && std::string_view(part) == "std_msgs/Header")
       text += "# of ROS 1\nuint32 seq\ntime stamp\nstring frame_id\n";

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::string_view kAsTruth = "poses, with --truth or --poses",
                            kAsMarkers = "landmarks, with --landmarks",
+                           kAsTags = "images in which AprilTags are landmarks, with --tags",
                            kAsVelocity = "odometry, with --odometry";
 constexpr std::array kUses = {
     TypeUse{"nav_msgs/Odometry", Use::kOdometry, "odometry"},
@@ -34,6 +35,9 @@ constexpr std::array kUses = {
     TypeUse{"geometry_msgs/TransformStamped", Use::kPose, kAsTruth},
     TypeUse{"nav_msgs/Path", Use::kPose, kAsTruth},
     TypeUse{"sensor_msgs/NavSatFix", Use::kFix, "true positions, with --truth"},
+    TypeUse{"sensor_msgs/Image", Use::kImage, kAsTags},
+    TypeUse{"sensor_msgs/CompressedImage", Use::kImage, kAsTags},
+    TypeUse{"sensor_msgs/CameraInfo", Use::kCamera, "the camera of images, with --tags"},
     TypeUse{"apriltag_ros/AprilTagDetectionArray", Use::kLandmarks, kAsMarkers},
     TypeUse{"ar_track_alvar_msgs/AlvarMarkers", Use::kLandmarks, kAsMarkers},
     TypeUse{"aruco_msgs/MarkerArray", Use::kLandmarks, kAsMarkers},

@@ -23,6 +23,8 @@ enum class Use {
   kCone,        // of a sonar or an infra-red sensor
   kPose,        // where the robot was, where somebody says that it is the truth, or a corrected pose
   kFix,         // where it was by satellites, where somebody says that it is the truth
+  kImage,       // in which there may be tags
+  kCamera,      // what images are taken with
   kLandmarks,   // markers with identities, and where they were seen
 };
 

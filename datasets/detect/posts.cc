@@ -80,12 +80,14 @@ class CircleFit {
     at_[2] = nearest_m * std::sin(std::min(half_rad, 1.0));
     at_[0] = nearest_m + at_[2];
     at_[1] = (edge_rad_[0] + edge_rad_[1]) / 2;
-    constexpr int kMostSteps = 30;
-    constexpr double kStill = 1e-7;
+    constexpr double kGrazes = 0.15, kLeast_m = 1e-3;
+    grazes_m2_ = Square(kGrazes * std::max(at_[2], kLeast_m));
+    constexpr int kMostSteps = 40, kWholeSteps = 6;  // then half ones, for those that go to and fro
+    constexpr double kStill = 1e-5;
     for (int step = 0; step < kMostSteps; ++step) {
       Linearize();
       const Eigen::Vector3d change = normal_.inverse() * gradient_;
-      at_ += change;
+      at_ += (step < kWholeSteps ? 1 : 0.5) * change;
       at_[2] = std::clamp(at_[2], 1e-3, 0.95 * at_[0]);
       if (!at_.allFinite() || at_[0] <= 0) return std::nullopt;
       if (change.cwiseAbs().maxCoeff() < kStill) return Found();
@@ -103,17 +105,14 @@ class CircleFit {
     normal_.setZero();
     gradient_.setZero();
     squares_m2_ = 0;
-    // Beams that graze it, or would pass it, meet it where its edge is: the root's slope has no end there.
-    constexpr double kGrazes = 0.15;
     for (std::size_t i = 0; i < angle_.size(); ++i) {
       const double s = std::sin(angle_[i] - at_[1]), c = std::cos(angle_[i] - at_[1]);
-      const double inside = Square(radius) - Square(d * s);
-      const bool meets = inside > Square(kGrazes * radius);
-      const double depth = meets ? std::sqrt(inside) : kGrazes * radius;
+      // Half of the chord, squared: of beams that graze it, or would pass it, bent so that its root has a
+      // slope.
+      const double chord = Square(radius) - Square(d * s), root = std::hypot(chord, 2 * grazes_m2_);
+      const double depth = std::sqrt((chord + root) / 2), slope = (1 + chord / root) / 2 / depth;
       const double difference = range_m_[i] - (d * c - depth);
-      Add({c + (meets ? d * s * s / depth : 0), d * s - (meets ? d * d * s * c / depth : 0),
-           meets ? -radius / depth : -kGrazes},
-          difference, sigma_m_);
+      Add({c + slope * d * s * s, d * s - slope * d * d * s * c, -slope * radius}, difference, sigma_m_);
       squares_m2_ += Square(difference);
     }
     const double half = std::asin(radius / d), slope = 1 / std::sqrt(Square(d) - Square(radius));
@@ -133,7 +132,7 @@ class CircleFit {
   Eigen::Vector3d at_;  // d, bearing, R
   Eigen::Matrix3d normal_;
   Eigen::Vector3d gradient_;
-  double squares_m2_ = 0;
+  double squares_m2_ = 0, grazes_m2_ = 0;
 };
 
 std::optional<Post> FitRun(const BeamFan& fan, std::span<const double> range_m, const Run& run,
@@ -170,13 +169,13 @@ bool StandsAlone(const Sides& sides, double first_m, double last_m, const PostLi
   return is_far(sides.range_m[0], first_m) && is_far(sides.range_m[1], last_m);
 }
 
+}  // namespace
+
 double MedianOf(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::ranges::nth_element(values, middle);
   return *middle;
 }
-
-}  // namespace
 
 BeamFan::BeamFan(std::span<const double> x_m, std::span<const double> y_m,
                  std::span<const double> heading_rad) {
@@ -268,18 +267,18 @@ void Brightness::Add(double range_m, float intensity) {
 }
 
 void Brightness::Finish() {
-  float top = 0;
+  double top = 0;
   for (const auto& bin : seen_)
-    for (const float intensity : bin) top = std::max(top, intensity);
+    for (const float intensity : bin) top = std::max(top, static_cast<double>(intensity));
   constexpr std::size_t kLeastReadings = 50;
-  constexpr double kOften = 0.9, kSpreads = 3, kOfTop = 0.2;
+  constexpr double kOften = 0.8, kSpreads = 4, kTimes = 2, kOfTop = 0.05;
   double before = std::numeric_limits<double>::infinity();  // where little was seen: what is nearer
   for (auto& bin : seen_) {
     if (bin.size() >= kLeastReadings) {
       std::ranges::sort(bin);
       const double middle = bin[bin.size() / 2];
       const double often = bin[static_cast<std::size_t>(kOften * static_cast<double>(bin.size() - 1))];
-      before = middle + std::max(kSpreads * (often - middle), kOfTop * (top - middle));
+      before = std::max({middle + kSpreads * (often - middle), kTimes * middle, kOfTop * top});
     }
     least_.push_back(before);
     std::vector<float>().swap(bin);

@@ -10,6 +10,9 @@
 
 namespace cairn::datasets {
 
+// Of values that there are.
+double MedianOf(std::vector<double> values);
+
 // A laser's beams, counter-clockwise. Throws InputError where they are no fan: fewer than three, not from one
 // place, not one after the other.
 class BeamFan {

@@ -73,6 +73,8 @@ struct Sighting {
   double range_sigma_m = 0, bearing_sigma_rad = 0;
   std::size_t track = 0;
   bool repeats = false;
+  // By what it differs from where it was seen before; NaN: it was not.
+  double range_change_m = std::numeric_limits<double>::quiet_NaN(), bearing_change_rad = range_change_m;
 };
 
 Sighting SightingOf(const Post& post, const Laser& laser, std::size_t scan) {
@@ -94,10 +96,11 @@ Sighting SightingOf(const Post& post, const Laser& laser, std::size_t scan) {
 // What is seen where it was seen before, by odometry.
 class Tracks {
  public:
-  explicit Tracks(const ScanLandmarkOptions& options) : options_(options) {}
+  Tracks(const ScanLandmarkOptions& options, double scan_s)
+      : options_(options), forget_s_(std::max(kForget_s, kForget_scans * scan_s)) {}
 
   void Add(const OdometryPath::Place& place, std::vector<Sighting> scan) {
-    std::erase_if(open_, [&](std::size_t t) { return scan.front().time_s > tracks_[t].last_s + kForget_s; });
+    std::erase_if(open_, [&](std::size_t t) { return scan.front().time_s > tracks_[t].last_s + forget_s_; });
     for (Sighting& sighting : scan) {
       const double range_m = std::hypot(sighting.on_robot.x_m, sighting.on_robot.y_m);
       const Pose at = Compose(place.pose, {sighting.on_robot.x_m, sighting.on_robot.y_m, 0});
@@ -107,7 +110,11 @@ class Tracks {
           std::abs(WrapAngle(place.pose.heading_rad - track.kept_from.pose.heading_rad));
       sighting.repeats = track.scans > 1 && place.way_m - track.kept_from.way_m < options_.every_m &&
                          turned_rad * range_m < options_.every_m;
-      if (!sighting.repeats) track.kept_from = place;
+      if (!sighting.repeats) {
+        if (track.scans > 1) Compare(place.pose, track.kept_at, &sighting);
+        track.kept_from = place;
+        track.kept_at = {at.x_m, at.y_m};
+      }
       sightings_.push_back(sighting);
     }
   }
@@ -120,13 +127,21 @@ class Tracks {
  private:
   // So far something may be off from scan to scan: by odometry and its clock, and how it is seen. It is
   // followed slowly, so that who walks leaves it.
-  static constexpr double kGate_m = 0.3, kGate_rad = 0.02, kFollow_s = 2, kForget_s = 2;
+  static constexpr double kGate_m = 0.3, kGate_rad = 0.02, kFollow_s = 2, kForget_s = 2, kForget_scans = 3;
   struct Track {
     Point at;
     double first_s = 0, last_s = 0;
     int scans = 1;
-    OdometryPath::Place kept_from = {};
+    OdometryPath::Place kept_from = {};  // the last sighting that does not repeat, and where it was
+    Point kept_at = {};
   };
+
+  static void Compare(const Pose& robot, Point before, Sighting* sighting) {
+    const Pose seen = Between(robot, {before.x_m, before.y_m, 0});
+    const Point now = sighting->on_robot;
+    sighting->range_change_m = std::hypot(now.x_m, now.y_m) - std::hypot(seen.x_m, seen.y_m);
+    sighting->bearing_change_rad = WrapAngle(std::atan2(now.y_m, now.x_m) - std::atan2(seen.y_m, seen.x_m));
+  }
 
   std::size_t FindOrOpen(Point at, double gate_m, double time_s) {
     std::size_t nearest = tracks_.size();
@@ -151,6 +166,7 @@ class Tracks {
   }
 
   const ScanLandmarkOptions& options_;
+  double forget_s_;
   std::vector<Track> tracks_;
   std::vector<std::size_t> open_;
   std::vector<Sighting> sightings_;
@@ -284,7 +300,9 @@ class ScanLandmarks {
     }
     std::ranges::stable_sort(scans, {}, &Scan::time_s);
     const OdometryPath path(robot.odometry);
-    Tracks tracks(options_);
+    std::vector<double> apart_s = {0};
+    for (std::size_t i = 1; i < scans.size(); ++i) apart_s.push_back(scans[i].time_s - scans[i - 1].time_s);
+    Tracks tracks(options_, MedianOf(std::move(apart_s)));
     for (const Scan& scan : scans) {
       const auto place = path.At(scan.time_s);
       if (!place) {
@@ -318,6 +336,9 @@ class ScanLandmarks {
       bearing_rad.push_back(std::atan2(one.on_robot.y_m, one.on_robot.x_m));
       range_squares_ += Square(one.range_sigma_m);
       bearing_squares_ += Square(one.bearing_sigma_rad);
+      if (std::isnan(one.range_change_m)) continue;
+      range_changes_m_.push_back(std::abs(one.range_change_m));
+      bearing_changes_rad_.push_back(std::abs(one.bearing_change_rad));
     }
     report_.observations += static_cast<std::int64_t>(time_s.size());
     blob_ = blob_.Without(group).Without("truth/" + group);
@@ -327,16 +348,21 @@ class ScanLandmarks {
     blob_.PutVector(group + "bearing_rad", bearing_rad);
   }
 
-  // What was found, on average.
+  // What was found, on average; but no less than by what sightings differ from one to the next, of which each
+  // has half of the variance. Clocks and odometry are in that, and what is not round.
   void PutNoise() {
     if (report_.observations == 0) {
       report_.warnings.emplace_back("nothing was found");
       return;
     }
-    const auto n = static_cast<double>(report_.observations);
-    if (!blob_.Has("noise/range_m")) blob_.PutScalar("noise/range_m", std::sqrt(range_squares_ / n));
-    if (!blob_.Has("noise/bearing_rad"))
-      blob_.PutScalar("noise/bearing_rad", std::sqrt(bearing_squares_ / n));
+    const auto put = [&](const std::string& name, double squares, const std::vector<double>& changes) {
+      constexpr double kSigmasOfMedian = 1.4826;
+      const double stated = std::sqrt(squares / static_cast<double>(report_.observations));
+      const double seen = changes.empty() ? 0 : kSigmasOfMedian * MedianOf(changes) / std::sqrt(2.0);
+      if (!blob_.Has(name)) blob_.PutScalar(name, std::max(stated, seen));
+    };
+    put("noise/range_m", range_squares_, range_changes_m_);
+    put("noise/bearing_rad", bearing_squares_, bearing_changes_rad_);
   }
 
   const ScanLandmarkOptions& options_;
@@ -347,6 +373,7 @@ class ScanLandmarks {
   double sigma_m_ = 0.03;
   std::int64_t scans_ = 0;
   double range_squares_ = 0, bearing_squares_ = 0;
+  std::vector<double> range_changes_m_, bearing_changes_rad_;
   ImportReport report_;
 };
 

@@ -24,9 +24,10 @@ struct ScanLandmarkOptions {
 
 // Puts observations without identity (schema/FORMAT.md) of all lasers' posts and reflectors into the log, by
 // scan, and standard deviations of ranges and bearings, where it states none: those of what was taken, by the
-// noise of the ranges as round posts show it. True associations are left out: there are none of these.
-// Throws InputError: the log has no scans of a laser within its odometry's time, or has observations already;
-// a laser without intensities where reflectors are wanted; beams that are no fan.
+// noise of the ranges as round posts show it, but no less than sightings differ from one to the next. True
+// associations are left out: there are none of these. Throws InputError: the log has no scans of a laser
+// within its odometry's time, or has observations already; a laser without intensities where reflectors are
+// wanted; beams that are no fan.
 ImportReport FindLandmarksInScans(const ScanLandmarkOptions& options, Blob* log);
 
 }  // namespace cairn::datasets

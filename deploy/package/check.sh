@@ -30,6 +30,9 @@ apt-get -q -y install "$images" >"$work"/log 2>&1 || { cat "$work"/log; die "cai
 grep -E 'newly installed|Need to get|disk space' "$work"/log
 cairn-images >"$work"/log 2>&1 || code=$?
 [ $code -eq 2 ] && grep -q SIDE "$work"/log || { cat "$work"/log; die "cairn-images does not run"; }
+code=0
+cairn-tags >"$work"/log 2>&1 || code=$?
+[ $code -eq 2 ] && grep -q FAMILY "$work"/log || { cat "$work"/log; die "cairn-tags does not run"; }
 apt-get -q -y purge cairn-images >"$work"/log 2>&1 || { cat "$work"/log; die "cairn-images cannot be purged"; }
 
 # The rest of what may lie about: keys, a setting that was changed, services that are enabled.

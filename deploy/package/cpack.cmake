@@ -17,7 +17,8 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 if(CPACK_PACKAGE_NAME STREQUAL cairn-images)
   set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "maps from robot logs: images")
   set(CPACK_PACKAGE_DESCRIPTION
-"What \"cairn import images\" decodes images with. It is apart from cairn since
+"What \"cairn import images\" decodes images with, and what finds AprilTags
+for \"cairn import bag --tags\". It is apart from cairn since
 OpenCV's decoders depend on much that nothing else there needs.")
 else()
   set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "maps from robot logs")

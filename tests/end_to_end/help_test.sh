@@ -91,6 +91,8 @@ printf '10 1 0\n12 1 0\n' >inputs/MRCLAM_Dataset6/Robot1_Odometry.dat
 printf '11 63 1 0\n' >inputs/MRCLAM_Dataset6/Robot1_Measurement.dat
 printf 'time_s,x_m,y_m,red\n1,0,0,5\n2,1,0,6\n' | tee inputs/monday.csv | gzip >inputs/tuesday.csv.gz
 printf 'ODOM 0 0 0 0 0 0 1 h 1\nFLASER 2 1 2 1 0 0 1 0 0 2 h 2\n' | gzip >inputs/intel.log.gz
+printf 'FLASER 3 2 1 2 0 0 0 0 0 0 1 h 1\n' >inputs/scans.log
+cairn import carmen inputs/scans.log inputs/scans.h5 >/dev/null
 mkdir inputs/run1
 printf '1000 0 0 0\n' >inputs/run1/od.txt
 printf '1000 1 2 3 4 5 6 7 8\n' >inputs/run1/sonar.txt
@@ -136,7 +138,7 @@ declare -A known=() # commands whose examples were run, or are by another test
 
 runs
 for command in run map simulate 'simulate loop' 'simulate corridor' 'simulate hallway' 'simulate narrow-doors' 'simulate smooth-wall' 'simulate office' import 'import csv' 'import mrclam' 'import vectors' 'import images' 'import errors' 'import carmen' 'import pioneer' 'import dpslam' 'import wean' 'import tum' 'import kitti' 'import euroc' 'import g2o' inspect evaluate report pipelines export \
-  'export tum' 'export kitti' 'export euroc' 'export g2o' 'export mcap' 'export geojson' 'export ply' 'export ros' 'export octomap' 'export png' 'export csv' diff keys 'keys allow' 'keys show' 'keys revoke'; do
+  'export tum' 'export kitti' 'export euroc' 'export g2o' 'export mcap' 'export geojson' 'export ply' 'export ros' 'export octomap' 'export png' 'export csv' landmarks diff keys 'keys allow' 'keys show' 'keys revoke'; do
   read -ra words <<<"$command"
   runs "${words[@]}"
 done

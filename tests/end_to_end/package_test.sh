@@ -26,7 +26,7 @@ for library in libc6 libhdf5 libzmq5 libprotobuf libopencv-core adduser; do fiel
 field Suggests '^cairn-images, python3-h5py, python3-matplotlib$'
 [[ $(dpkg-deb -f "$images" Depends) =~ libopencv-imgcodecs ]] || die "cairn-images does without its libraries"
 [[ $(dpkg-deb -f "$images" Depends) = *"cairn (= $(dpkg-deb -f "$package" Version))"* ]] || die "cairn-images takes any cairn"
-[ "$(cd images && find usr/bin usr/share/man -type f | sort | xargs)" = 'usr/bin/cairn-images usr/share/man/man1/cairn-images.1.gz' ] ||
+[ "$(cd images && find usr/bin usr/share/man -type f | sort | xargs)" = 'usr/bin/cairn-images usr/bin/cairn-tags usr/share/man/man1/cairn-images.1.gz usr/share/man/man1/cairn-tags.1.gz' ] ||
   die "cairn-images has something else: $(find images -type f)"
 [ ! -e images/DEBIAN/postinst ] || die "cairn-images has scripts"
 diff <(dpkg-deb -f "$package" Architecture) <(dpkg --print-architecture) || die "another architecture"

@@ -157,6 +157,9 @@ TEST_F(ImportCarmenTest, ReadsWhatCarmensLoggerWrites) {
     const auto range = Column<double>(std::string("robot/0/") + sensor + "/range_m");
     EXPECT_EQ(std::vector<double>(range.begin(), range.end()), (std::vector<double>{1, 2.5, 3})) << sensor;
   }
+  EXPECT_EQ(Column<float>("robot/0/laser3/intensity"), (std::vector<float>{11, 12, 13}));
+  for (const char* sensor : {"laser", "laser2", "laser4", "sonar"})
+    EXPECT_FALSE(log_.Has(std::string("robot/0/") + sensor + "/intensity")) << sensor;
   EXPECT_EQ(Column<double>("robot/0/sonar/range_m")[1], 0.75);
   EXPECT_EQ(Column<double>("robot/0/sonar/beam_y_m")[1], -0.2);
   EXPECT_EQ(Column<double>("robot/0/laser/time_s")[0], 1127233281.0);

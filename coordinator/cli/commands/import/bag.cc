@@ -1,5 +1,6 @@
 #include "coordinator/cli/commands/import/parts.h"
 #include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/programs.h"
 #include "coordinator/cli/output/path.h"
 #include "datasets/bag/in_child.h"
 
@@ -16,6 +17,14 @@ int ImportBag(const BagOptions& options, const Invocation&) {
   for (const std::string& file : options.import.files) CheckOutputIsNotInDataset(options.out, file);
   CheckOverwrite(options.out, options.force);
   datasets::BagImportOptions import = options.import;
+  if (!import.tags.empty())
+    import.find_tags = [program = TagsProgram()](const std::string& family, const std::string& images) {
+      try {
+        return OutputOf(program, {family}, images);
+      } catch (const WorldError& error) {
+        throw InputError(error.what());  // as the child hands it over
+      }
+    };
   for (const std::string& mount : options.mounts)
     import.mounts.insert(ParseNamedMount(mount, "/scan=0.1,0,180"));
   Blob log;
@@ -40,6 +49,12 @@ void AddTopics(Command command, datasets::BagImportOptions& bag) {
   command.Add("--landmarks", bag.landmarks,
               "Topic of detected markers, as landmarks; TOPIC:range=FIELD,bearing=FIELD,id=FIELD or x=, y=: "
               "fields of any messages; tf:BEGINNING: frames of such names (again: of several)");
+  command.Add("--tags", bag.tags,
+              "TOPIC=METRES: images in which AprilTags with black squares of that edge are landmarks (again: "
+              "of several)");
+  command.Add("--tag-family", bag.tag_family, "Of which they are").ShowDefault();
+  command.Add("--camera", bag.camera,
+              "FX,FY,CX,CY[,K1,K2,P1,P2,K3] of the images (else as the camera_info beside them says)");
   command.Add("--truth", bag.truth,
               "Topic of poses that are the truth: Odometry, PoseStamped, Path, NavSatFix, …; 'tf': on 'map'");
   command.Add("--poses", bag.poses, "Topic of poses that a program corrected (amcl's, say); 'tf': on 'map'");

@@ -52,7 +52,7 @@ void AddLandmarks(Command app, Invocation& call) {
   Command command;
   const auto options = AddCommand<LandmarkArguments>(
       app, call, "landmarks", "Finds poles and reflectors in a log's laser scans, as landmarks",
-      "cairn landmarks log.h5 with-poles.h5 --poles 0.05..0.6", FindLandmarks, &command);
+      "cairn landmarks scans.h5 poles.h5 --poles 0.05..0.6", FindLandmarks, &command);
   command.Add("LOG.h5", options->log, "A log with scans of a laser").Required();
   command.Add("OUT.h5", options->out, "The file to write: the log, with observations of landmarks")
       .Required();
