@@ -94,7 +94,8 @@ TEST_F(ScanLandmarksTest, ReflectorsAreTold) {
   const std::span<const double> range_m = log_.Get<double>("robot/0/laser/range_m");
   std::vector<float> bright;
   for (std::size_t i = 0; i < range_m.size(); ++i) {
-    const double at = 0.1 * static_cast<double>(i / 361) + 0.3;
+    const std::size_t scan = i / 361;
+    const double at = 0.1 * static_cast<double>(scan) + 0.3;
     const double angle = HalfTurn().angle_rad(i % 361), y_m = range_m[i] * std::sin(angle);
     const bool is_post = std::hypot(at + range_m[i] * std::cos(angle) - 6, y_m - 2) < 0.2;
     bright.push_back(static_cast<float>((is_post ? 200 : 20) / range_m[i]));
