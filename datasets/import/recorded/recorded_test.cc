@@ -116,6 +116,14 @@ TEST(ImportRecordedData, HoldsWhatIsKnownOfIt) {
   options.folder = DataFolder() + "/lego-robot";
   EXPECT_EQ(ImportLegoRobot(options, &log).observations, 893);
   EXPECT_EQ(log.Texts("truth/landmarks/name").size(), 6U);
+  options.scans = true;
+  const ImportReport lego = ImportLegoRobot(options, &log);
+  EXPECT_EQ(lego.scans, 278);
+  EXPECT_EQ(lego.observations, 0);
+  const std::span<const double> ahead_m = log.Get<double>("robot/0/laser/range_m").subspan(341, 1);
+  EXPECT_GT(ahead_m[0], 0.1) << "in metres";
+  EXPECT_LT(ahead_m[0], 3);
+  options.scans = false;
   options.folder = DataFolder() + "/victoria-park";
   const ImportReport park = ImportVictoriaPark(options, &log);
   EXPECT_GT(park.observations, 50000);
