@@ -20,13 +20,13 @@ const Camera kCamera{500, 500, 319.5, 239.5, {}};
 // What the camera sees of a tag: libapriltag's own picture of it, by the homography of its plane; drawn four
 // times as large and made smaller, as a sensor's pixels are means.
 cv::Mat Seen(const TagDetector& tags, int id, const Eigen::Vector3d& middle, const Eigen::Matrix3d& axes) {
-  constexpr int kFiner = 4, kCells = 10, kBlack = 8;  // of a tag of 36h11, with its white edge
+  constexpr int kFiner = 4, kCells = 10, kHalf = 5, kBlack = 8;  // of a tag of 36h11, with its white edge
   cv::Mat picture, large, image;
   cv::resize(tags.Picture(id), picture, {}, 20, 20, cv::INTER_NEAREST);
   std::vector<cv::Point2f> from, to;
   for (const auto& [u, v] : {std::pair(0, 0), {kCells, 0}, {kCells, kCells}, {0, kCells}}) {
     from.emplace_back(static_cast<float>(20 * u - 0.5), static_cast<float>(20 * v - 0.5));
-    const Eigen::Vector3d on_tag((u - kCells / 2) * kSize_m / kBlack, (v - kCells / 2) * kSize_m / kBlack, 0);
+    const Eigen::Vector3d on_tag((u - kHalf) * kSize_m / kBlack, (v - kHalf) * kSize_m / kBlack, 0);
     const Eigen::Vector2d px = kCamera.Project(axes * on_tag + middle);
     to.emplace_back(static_cast<float>(kFiner * (px.x() + 0.5) - 0.5),
                     static_cast<float>(kFiner * (px.y() + 0.5) - 0.5));
