@@ -2,15 +2,18 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <vector>
 
 #include "schema/wire/testing/private_folder.h"
@@ -19,6 +22,16 @@ namespace cairn::cli {
 namespace {
 
 namespace fs = std::filesystem;
+
+// All of it takes milliseconds: what is not so after two minutes will not be.
+template <class IsSo>
+void AwaitThat(const std::string& what, const IsSo& is_so) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  while (!is_so()) {
+    if (std::chrono::steady_clock::now() > end) throw std::runtime_error("never: " + what);
+    ::usleep(1000);
+  }
+}
 
 class EndHookTest : public testing::Test {
  protected:
@@ -43,7 +56,7 @@ class EndHookTest : public testing::Test {
     return job;
   }
   std::string Await(const std::string& file) {
-    while (!fs::exists(folder_.path() / file)) ::usleep(1000);
+    AwaitThat(file, [&] { return fs::exists(folder_.path() / file); });
     std::stringstream text;
     text << std::ifstream(folder_.path() / file).rdbuf();
     return text.str();
@@ -52,8 +65,8 @@ class EndHookTest : public testing::Test {
     const std::lock_guard lock(mutex_);
     return log_;
   }
-  std::vector<std::string> AwaitLog() {
-    while (Log().empty()) ::usleep(1000);
+  std::vector<std::string> AwaitLog(std::size_t lines = 1) {
+    AwaitThat(std::to_string(lines) + " lines of the log", [&] { return Log().size() >= lines; });
     return Log();
   }
 
@@ -71,7 +84,7 @@ TEST_F(EndHookTest, TheProgramGetsTheJobOnItsInputAndNoArguments) {
   EXPECT_EQ(json.at("id"), "7-museum");
   EXPECT_EQ(json.at("name"), "museum'; touch /tmp/x #");
   EXPECT_EQ(json.at("state"), "failed");
-  while (!hook_->Idle()) ::usleep(1000);
+  AwaitThat("it is idle", [&] { return hook_->Idle(); });
   hook_.reset();
   EXPECT_TRUE(Log().empty()) << Log().front();
 }
@@ -82,7 +95,7 @@ TEST_F(EndHookTest, OneThatFailsOrIsNotThereIsALineOfTheLogAndTheNextIsRun) {
   EXPECT_NE(AwaitLog()[0].find("--on-end for job 7-museum: "), std::string::npos) << Log()[0];
   EXPECT_NE(Log()[0].find("cannot reach the chat"), std::string::npos) << Log()[0];
   hook_->JobEnded(Job("8-museum"));
-  while (Log().size() < 2) ::usleep(1000);
+  AwaitLog(2);
   hook_.reset();
   log_.clear();
   Start((folder_.path() / "nothing").string());
@@ -96,11 +109,13 @@ TEST_F(EndHookTest, OneThatTakesTooLongIsKilledAndTheLogSaysSo) {
   EXPECT_NE(AwaitLog()[0].find("no answer"), std::string::npos) << Log()[0];
 }
 
-// No zombie, which whoever started this test may not look after.
-bool Runs(pid_t process) {
-  std::ifstream stat("/proc/" + std::to_string(process) + "/stat");
-  std::string pid, name, state;
-  return stat >> pid >> name >> state && state != "Z";
+// A zombie has ended: whoever started this test may not look after it.
+void AwaitEnd(pid_t process) {
+  AwaitThat("the end of process " + std::to_string(process), [process] {
+    std::ifstream stat("/proc/" + std::to_string(process) + "/stat");
+    std::string pid, name, state;
+    return !(stat >> pid >> name >> state) || state == "Z";
+  });
 }
 
 TEST_F(EndHookTest, WhatItStartedEndsWithIt) {
@@ -110,7 +125,7 @@ TEST_F(EndHookTest, WhatItStartedEndsWithIt) {
   hook_->JobEnded(Job("7-museum"));
   const pid_t child = std::stoi(Await("child"));
   hook_.reset();
-  while (Runs(child)) ::usleep(1000);
+  AwaitEnd(child);
 }
 
 TEST_F(EndHookTest, SoDoesWhatItLeavesBehind) {
@@ -119,7 +134,7 @@ TEST_F(EndHookTest, SoDoesWhatItLeavesBehind) {
                "/child\n"));
   hook_->JobEnded(Job("7-museum"));
   const pid_t child = std::stoi(Await("child"));
-  while (Runs(child)) ::usleep(1000);
+  AwaitEnd(child);
   hook_.reset();
   EXPECT_TRUE(Log().empty()) << Log().front();
 }
@@ -131,6 +146,7 @@ TEST_F(EndHookTest, AndWithItsLimitWhereWhoStartedItIsKilled) {
       Script("sleep 1000 &\necho $! >" + here + "/part && mv " + here + "/part " + here + "/child\nwait\n");
   const pid_t coordinator = ::fork();
   if (coordinator == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     Start(hook, 1);
     hook_->JobEnded(Job("7-museum"));
     while (true) ::pause();
@@ -138,7 +154,7 @@ TEST_F(EndHookTest, AndWithItsLimitWhereWhoStartedItIsKilled) {
   const pid_t child = std::stoi(Await("child"));
   ::kill(coordinator, SIGKILL);
   ::waitpid(coordinator, nullptr, 0);
-  while (Runs(child)) ::usleep(1000);
+  AwaitEnd(child);
 }
 
 // The service is told of hundreds at once, and ends, while one hangs.
