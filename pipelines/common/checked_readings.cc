@@ -155,6 +155,12 @@ RangeScans CheckedOnly(RangeScans scans) {
   return scans;
 }
 
+RangeScans WithoutChecked(RangeScans scans) {
+  for (std::size_t s = 0; s < scans.scans(); ++s)
+    scans.held_out[s] = scans.held_out[s] != 0 || scans.checked[s] != 0 ? 1 : 0;
+  return scans;
+}
+
 void CheckedReadings::Add(const CheckedReadings& other) {
   readings += other.readings;
   log_likelihood += other.log_likelihood;

@@ -30,8 +30,10 @@ struct MetCell {
 // an echo from beyond the map, of something that this does not hold.
 double DensityOf(double z_m, std::span<const MetCell> cells, const ReadingModel& model, bool ends_beyond);
 
-// Those scans alone that a map is checked with and that it would be made of: for whoever takes them out.
+// Those scans alone that a map is checked with and that it would be made of: for whoever takes them out; and
+// all others.
 RangeScans CheckedOnly(RangeScans scans);
+RangeScans WithoutChecked(RangeScans scans);
 
 // Of readings, summed up; nats, of densities in 1/m.
 struct CheckedReadings {

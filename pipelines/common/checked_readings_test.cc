@@ -81,7 +81,11 @@ TEST(CheckedReadings, AreTheLastTenthOfEachTenthUnlessSomeAreHeldOut) {
   EXPECT_EQ(std::ranges::count(scans.held_out, 1), 0);
   for (std::size_t s = 0; s < 300; ++s) EXPECT_EQ(scans.checked[s], s % 30 >= 27 ? 1 : 0) << s;
   const RangeScans only = CheckedOnly(scans);
-  for (std::size_t s = 0; s < 300; ++s) EXPECT_EQ(only.held_out[s], 1 - scans.checked[s]) << s;
+  const RangeScans others = WithoutChecked(scans);
+  for (std::size_t s = 0; s < 300; ++s) {
+    EXPECT_EQ(only.held_out[s], 1 - scans.checked[s]) << s;
+    EXPECT_EQ(others.held_out[s], scans.checked[s]) << s;
+  }
   const RangeScans held = ScansOfRoom({.scans = 300}, 0.2);
   EXPECT_EQ(held.checked, held.held_out);
   EXPECT_EQ(std::ranges::count(CheckedOnly(held).held_out, 0), 0) << "the map is made without them";

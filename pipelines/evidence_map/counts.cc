@@ -23,6 +23,7 @@ double ReachOf(const RangeScans& scans, std::size_t scan, const std::vector<doub
 }
 
 // Counts of few cells, by their numbers in the window.
+constexpr std::size_t kSparseBytes = 2 * sizeof(std::int32_t);
 struct Sparse {
   std::vector<std::int32_t> cell, count;
 
@@ -100,12 +101,16 @@ Counts CountsFor(const RangeScans& scans, const GridBox& grid, double beyond_m) 
 
 Blob ToBlob(const Counts& counts) {
   const std::size_t cells = counts.free.size();
-  std::vector<std::uint8_t> low(cells), high(cells);
+  std::size_t many = 0;
+  for (const std::int32_t free : counts.free) many += free >> 8 != 0;
+  const bool has_high = many * kSparseBytes > cells;
+  const int bits = has_high ? 16 : 8;
+  std::vector<std::uint8_t> low(cells), high(has_high ? cells : 0);
   Sparse often, occupied;
   for (std::size_t k = 0; k < cells; ++k) {
     low[k] = static_cast<std::uint8_t>(counts.free[k]);
-    high[k] = static_cast<std::uint8_t>(counts.free[k] >> 8);
-    if (counts.free[k] >> 16 != 0) often.Add(k, counts.free[k] >> 16);
+    if (has_high) high[k] = static_cast<std::uint8_t>(counts.free[k] >> 8);
+    if (counts.free[k] >> bits != 0) often.Add(k, counts.free[k] >> bits);
     if (counts.occupied[k] != 0) occupied.Add(k, counts.occupied[k]);
   }
   Blob blob;
@@ -123,16 +128,17 @@ void AddTo(const GridBox& grid, const Blob& partial, Totals* totals) {
   const Place place(grid, partial);
   const auto low = partial.Get<std::uint8_t>("free_low"), high = partial.Get<std::uint8_t>("free_high");
   RequireSize("free_low", low.size(), static_cast<std::size_t>(place.box.cells()));
-  RequireSize("free_high", high.size(), low.size());
+  const bool has_high = !high.empty();
+  if (has_high) RequireSize("free_high", high.size(), low.size());
   for (std::int64_t j = 0; j < place.box.rows; ++j) {
     if (!place.HasRow(j)) continue;
     const std::int64_t to = place.CellOf(j, 0), from = j * place.box.columns;
     for (std::int64_t i = place.first_inside(); i < place.end_inside(); ++i) {
       const auto k = static_cast<std::size_t>(from + i);
-      totals->free[static_cast<std::size_t>(to + i)] += low[k] + 256 * std::int64_t{high[k]};
+      totals->free[static_cast<std::size_t>(to + i)] += low[k] + (has_high ? 256 * std::int64_t{high[k]} : 0);
     }
   }
-  AddSparse(place, partial, "free_often", 65536, &totals->free);
+  AddSparse(place, partial, "free_often", has_high ? 65536 : 256, &totals->free);
   AddSparse(place, partial, "occupied", 1, &totals->occupied);
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "pipelines/common/checked_readings.h"
@@ -62,8 +63,8 @@ constexpr double kLeastCells = 1 << 23, kMostCells = 1 << 28;
 // Where maps of both kinds of sensors, of the scans that the map is checked with, and the result are at hand.
 constexpr double kBytesPerCell = 72;
 
-// In a task's partial, the counts of those scans that the map is checked with, and the readings of them that
-// it is.
+// In a task's partial, beside the counts of all other scans, those of the scans that the map is checked with,
+// and the readings of them that it is.
 constexpr const char* kCheckedCounts = "checked/";
 constexpr const char* kReadings = "reading/";
 
@@ -115,13 +116,14 @@ class Sums {
     AddTo(grid_, partial, &sum);
   }
 
-  void TakeAway(const Sums& part) {
-    const auto take = [](std::vector<std::int64_t>* from, const std::vector<std::int64_t>& what) {
-      for (std::size_t k = 0; k < what.size(); ++k) (*from)[k] -= what[k];
+  void Add(const Sums& more) {
+    const auto add = [](std::vector<std::int64_t>* to, const std::vector<std::int64_t>& what) {
+      if (to->empty()) to->resize(what.size());
+      for (std::size_t k = 0; k < what.size(); ++k) (*to)[k] += what[k];
     };
     for (std::size_t kind = 0; kind < totals_.size(); ++kind) {
-      take(&totals_[kind].free, part.totals_[kind].free);
-      take(&totals_[kind].occupied, part.totals_[kind].occupied);
+      add(&totals_[kind].free, more.totals_[kind].free);
+      add(&totals_[kind].occupied, more.totals_[kind].occupied);
     }
   }
 
@@ -251,35 +253,55 @@ Blob Count(const Options& options, const Task& task, RangeScans scans, const Gri
   const std::int64_t all = IntegerOf(task, "readings", 0, kMost);
   const auto taken =
       TakeReadings(scans, ModelOf(options, scans, -1), IntegerOf(task, "readings_before", 0, kMost), all);
-  Blob partial = ToBlob(CountsOf(options, scans, grid, progress));
+  const RangeScans checked = CheckedOnly(scans);
+  const std::uint8_t is_of_cones = scans.opening_rad > 0 ? 1 : 0;
+  Blob partial = ToBlob(CountsOf(options, WithoutChecked(std::move(scans)), grid, progress));
   partial.PutScalar("sensor", IntegerOf(task, "sensor", 0, kMostSensors));
-  partial.PutScalar<std::uint8_t>("cone", scans.opening_rad > 0 ? 1 : 0);
+  partial.PutScalar("cone", is_of_cones);
   PutRows(kReadings, ColumnOf(taken, &TakenReading::from), &partial);
   partial.PutVector(std::string(kReadings) + kRanges, ColumnOf(taken, &TakenReading::range_m));
-  const RangeScans checked = CheckedOnly(std::move(scans));
   if (std::ranges::find(checked.held_out, 0) != checked.held_out.end())
     partial.PutAll(kCheckedCounts, ToBlob(CountsOf(options, checked, grid, progress)));
   return partial;
 }
 
-// Time slices of about equal work.
-void PlanCounts(const std::vector<Part>& parts, const std::vector<PartFacts>& facts, const GridBox& grid,
-                const Inputs& inputs, proto::Step* plan) {
+// What the first round found out, and behind which parts each of its tasks ended.
+struct Facts {
+  std::vector<PartFacts> of_part;
+  std::set<std::size_t> ends;
+};
+
+Facts FactsOf(Partials& partials, std::size_t parts) {
+  Facts facts;
+  for (std::size_t k = 0; k < partials.size(); ++k) {
+    const BlobPtr partial = partials.Get(k);
+    const std::vector<PartFacts> some = FactsIn(*partial, partial->at("work").size());
+    facts.of_part.insert(facts.of_part.end(), some.begin(), some.end());
+    facts.ends.insert(facts.of_part.size());
+  }
+  RequireSize("what is said of parts", facts.of_part.size(), parts);
+  return facts;
+}
+
+// Time slices of about equal work, each within what a task has looked at: who did that has these ranges, and
+// need not fetch them again.
+void PlanCounts(const std::vector<Part>& parts, const Facts& facts, const GridBox& grid, const Inputs& inputs,
+                proto::Step* plan) {
   const std::string log = inputs.HashOf("log").Binary();
-  const std::vector<double> work = ColumnOf(facts, &PartFacts::work);
+  const std::vector<double> work = ColumnOf(facts.of_part, &PartFacts::work);
   for (const Group& of_sensor : OfSensors(parts, work)) {
     const RangeScans sensor = SensorIn(*inputs.Get(SensorName(parts[of_sensor.first].sensor)));
     std::int64_t all = 0, before = 0;
-    for (std::size_t k = of_sensor.first; k < of_sensor.end; ++k) all += facts[k].readings;
+    for (std::size_t k = of_sensor.first; k < of_sensor.end; ++k) all += facts.of_part[k].readings;
     const double of_a_task = std::clamp(of_sensor.weight / kTasks, kLeastCells, kMostCells);
-    for (const Group& group : GroupParts(work, of_a_task, of_sensor)) {
+    for (const Group& group : GroupParts(work, of_a_task, of_sensor, facts.ends)) {
       const double cost = (sensor.opening_rad > 0 ? kConeUs : kRayUs) * group.weight +
                           kMapUs * static_cast<double>(grid.cells());
       AddTask("counts", cost, group, parts, log, sensor.name + kRanges, plan)
           .Set("readings", all)
           .Set("readings_before", before)
           .Read("grid");
-      for (std::size_t k = group.first; k < group.end; ++k) before += facts[k].readings;
+      for (std::size_t k = group.first; k < group.end; ++k) before += facts.of_part[k].readings;
     }
   }
 }
@@ -287,17 +309,11 @@ void PlanCounts(const std::vector<Part>& parts, const std::vector<PartFacts>& fa
 Step BeginCounts(const Options& options, const State& state, Partials& partials, const Inputs& inputs) {
   Standing standing = StandingIn(state);
   const std::vector<Part> parts = PartsIn(*inputs.Get(kPartsBlob), standing.sensors);
-  std::vector<PartFacts> facts;
-  for (std::size_t k = 0; k < partials.size(); ++k) {
-    const BlobPtr partial = partials.Get(k);
-    const std::vector<PartFacts> some = FactsIn(*partial, partial->at("work").size());
-    facts.insert(facts.end(), some.begin(), some.end());
-  }
-  RequireSize("what is said of parts", facts.size(), parts.size());
+  const Facts facts = FactsOf(partials, parts.size());
   Extent frame, ends;
   frame.Add(standing.x0_m, standing.y0_m);
   frame.Add(standing.x1_m, standing.y1_m);
-  for (const PartFacts& of : facts) {
+  for (const PartFacts& of : facts.of_part) {
     if (of.x1_m < of.x0_m) continue;
     ends.Add(of.x0_m, of.y0_m);
     ends.Add(of.x1_m, of.y1_m);
@@ -361,8 +377,8 @@ Step EvidenceMap::Advance(const State& state, Partials& partials, const Inputs& 
   if (standing.phase == Phase::kRanges) return BeginCounts(options_, state, partials, inputs);
   const GridBox grid = GridIn(inputs, options_);
   Sums sums(options_, grid);
-  Checked readings(standing.sensors);
   auto of_checked = std::make_unique<Sums>(options_, grid);
+  Checked readings(standing.sensors);
   for (std::size_t k = 0; k < partials.size(); ++k) {
     const BlobPtr partial = partials.Get(k);
     const bool is_of_cones = partial->Scalar<std::uint8_t>("cone") != 0;
@@ -371,12 +387,12 @@ Step EvidenceMap::Advance(const State& state, Partials& partials, const Inputs& 
     const Blob checked = partial->Sub(kCheckedCounts);
     if (!checked.fields().empty()) of_checked->Add(checked, is_of_cones);
   }
-  std::vector<double> log_odds = sums.LogOdds();
-  sums.TakeAway(*of_checked);
+  const CheckedReadings check = readings.Sum(options_, standing.sonar_m, inputs, grid, sums.LogOdds());
+  sums.Add(*of_checked);
   of_checked.reset();
-  Blob result = ResultOf(grid, std::exchange(log_odds, {}));
+  Blob result = ResultOf(grid, sums.LogOdds());
   result.PutAll("", *inputs.Get("scan poses"));
-  PutCheck(readings.Sum(options_, standing.sonar_m, inputs, grid, sums.LogOdds()), &result);
+  PutCheck(check, &result);
   Step step;
   step.plan.set_result(step.Share(std::move(result)));
   return step;

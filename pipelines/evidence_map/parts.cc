@@ -1,6 +1,7 @@
 #include "pipelines/evidence_map/parts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "pipelines/common/handed_over.h"
@@ -38,6 +39,25 @@ Blob RowsOfBlob(const Blob& blob, std::size_t first, std::size_t count) {
 template <class T>
 void Append(std::vector<T>* to, const std::vector<T>& more) {
   to->insert(to->end(), more.begin(), more.end());
+}
+
+// Of equal weight, no more than a little above that.
+std::vector<Group> InEqualGroups(const std::vector<double>& weights, double of_a_group, std::size_t first,
+                                 std::size_t end) {
+  double left = 0;
+  for (std::size_t k = first; k < end; ++k) left += weights[k];
+  constexpr double kLittle = 0.2;
+  double count = std::max(1.0, std::ceil(left / of_a_group - kLittle));
+  std::vector<Group> groups{{first, first, 0}};
+  for (std::size_t k = first; k < end; ++k) {
+    if (count > 1 && groups.back().weight >= left / count) {
+      left -= groups.back().weight, --count;
+      groups.push_back({k, k, 0});
+    }
+    groups.back().end = k + 1;
+    groups.back().weight += weights[k];
+  }
+  return groups;
 }
 
 std::string Numbered(const char* name, std::size_t k) { return name + std::to_string(k); }
@@ -116,12 +136,13 @@ std::vector<Group> OfSensors(const std::vector<Part>& parts, const std::vector<d
   return sensors;
 }
 
-std::vector<Group> GroupParts(const std::vector<double>& weights, double of_a_group, const Group& within) {
+std::vector<Group> GroupParts(const std::vector<double>& weights, double of_a_group, const Group& within,
+                              const std::set<std::size_t>& ends) {
   std::vector<Group> groups;
-  for (std::size_t k = within.first; k < within.end; ++k) {
-    if (groups.empty() || groups.back().weight >= of_a_group) groups.push_back({k, k, 0});
-    groups.back().end = k + 1;
-    groups.back().weight += weights[k];
+  for (std::size_t first = within.first, end; first < within.end; first = end) {
+    const auto cut = ends.upper_bound(first);
+    end = cut == ends.end() ? within.end : std::min(*cut, within.end);
+    Append(&groups, InEqualGroups(weights, of_a_group, first, end));
   }
   return groups;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -56,9 +57,11 @@ struct Group {
   std::size_t first = 0, end = 0;
   double weight = 0;
 };
-// All of each sensor, and those of one in groups of at least `of_a_group`. weights: [parts].
+// All of each sensor, and those of one in groups of about `of_a_group`, none of them across one of `ends`.
+// weights: [parts].
 std::vector<Group> OfSensors(const std::vector<Part>& parts, const std::vector<double>& weights);
-std::vector<Group> GroupParts(const std::vector<double>& weights, double of_a_group, const Group& within);
+std::vector<Group> GroupParts(const std::vector<double>& weights, double of_a_group, const Group& within,
+                              const std::set<std::size_t>& ends = {});
 
 // Adds a task that reads them; the State holds the sensors. `ranges`: name of the sensor's ranges in the log.
 TaskBuilder AddTask(const char* kind, double cost, const Group& group, const std::vector<Part>& parts,

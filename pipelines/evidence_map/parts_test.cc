@@ -78,6 +78,16 @@ TEST(Parts, AreGroupedByWeightWithinASensor) {
   EXPECT_EQ(groups[2].end, 4U);
 }
 
+TEST(Parts, AreNotGroupedAcrossWhatEndsSomewhere) {
+  const std::vector<double> weights{1, 1, 1, 1, 1, 6, 6, 6, 6, 1};
+  const std::vector<Group> groups = GroupParts(weights, 12, {1, 10, 29}, {3, 5, 9, 20});
+  std::vector<std::pair<std::size_t, std::size_t>> spans;
+  for (const Group& group : groups) spans.emplace_back(group.first, group.end);
+  const decltype(spans) expected{{1, 3}, {3, 5}, {5, 7}, {7, 9}, {9, 10}};
+  EXPECT_EQ(spans, expected);
+  EXPECT_EQ(groups[2].weight, 12);
+}
+
 TEST(Parts, ComeBackFromABlobAndWhatIsNoneIsRefused) {
   Step step;
   const std::vector<Part> parts = CutParts(ScansOfA(kLarge).sensors, &step);

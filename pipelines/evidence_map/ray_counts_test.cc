@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "pipelines/evidence_map/testing.h"
@@ -165,6 +166,19 @@ TEST(Counts, OfAPartialAddUpAsTheyWere) {
   for (int times = 0; times < 3; ++times) AddTo(grid, ToBlob(counts), &totals);
   EXPECT_EQ(totals.free, (std::vector<std::int64_t>{3 * 0x12345678LL, 3 * 65'535, 0, 0, 0, 0, 0, 0, 0}));
   EXPECT_EQ(totals.occupied, (std::vector<std::int64_t>{0, 3'000'000, 0, 0, 0, 0, 0, 0, 0}));
+}
+
+TEST(Counts, OfWhichFewAreLargeTakeAByteACell) {
+  const GridBox grid{0, 0, 1, 100, 1};
+  Counts counts{.box = grid, .first_column = 0, .first_row = 0, .free = {}, .occupied = {}};
+  counts.free.resize(100, 255);
+  counts.occupied.resize(100);
+  counts.free[7] = 0x12345678;
+  const Blob partial = ToBlob(counts);
+  EXPECT_EQ(partial.Get<std::uint8_t>("free_high").size(), 0U);
+  Totals totals{std::vector<std::int64_t>(100), std::vector<std::int64_t>(100)};
+  AddTo(grid, partial, &totals);
+  EXPECT_TRUE(std::ranges::equal(totals.free, counts.free));
 }
 
 }  // namespace
