@@ -91,10 +91,25 @@ Result<BlobPtr> BlobFiles::Read(const Hash& hash) {
 Result<BlobPtr> BlobFiles::ReadPart(const Hash& hash, const proto::BlobPart& part) {
   const fs::path path = FileOf(hash);
   if (path != folder_.FlatFile(hash)) return Status(Code::kNotFound, "no flat blob");
+  std::vector<std::pair<Hash, FlatParts>> uploaded;
+  {
+    const std::lock_guard lock(mutex_);
+    uploaded.swap(uploaded_);
+  }
+  for (auto& [blob, parts] : uploaded) parts_.Put(blob, std::move(parts));
   return parts_.Read(path, hash, part);
 }
 
-void BlobFiles::ForgetParts(const Hash& hash) { parts_.Forget(hash); }
+void BlobFiles::ForgetParts(const Hash& hash) {
+  parts_.Forget(hash);
+  const std::lock_guard lock(mutex_);
+  std::erase_if(uploaded_, [&hash](const auto& of) { return of.first == hash; });
+}
+
+void BlobFiles::KnowParts(const Hash& hash, FlatParts parts) {
+  const std::lock_guard lock(mutex_);
+  uploaded_.emplace_back(hash, std::move(parts));
+}
 
 Status BlobFiles::Check(const Hash& hash) const {
   const fs::path path = FileOf(hash);
@@ -236,7 +251,10 @@ Status UploadFiles::Do(const CloseUpload& close) {
   File file = std::move(files_.extract(close.id).mapped());
   if (!close.whole || !file.writer) return file.status;
   if (const Status there = folder_.IsStillThere(); !there.ok()) return there;
-  return file.writer->Publish(folder_.FlatFile(close.hash));
+  const fs::path path = folder_.FlatFile(close.hash);
+  if (Status published = file.writer->Publish(path); !published.ok()) return published;
+  blobs_.KnowParts(close.hash, file.writer->TakeParts(path));
+  return Status::Ok();
 }
 
 }  // namespace cairn::coordinator

@@ -31,10 +31,12 @@ class BlobFiles {
   bool Has(const Hash& hash) const;
   // kNotFound; kCorrupt where the file is damaged or its content is not what its name says.
   Result<BlobPtr> Read(const Hash& hash);
-  // A part of a flat blob, at no more than its cost but for the first, which checks the whole file; of any
-  // other blob kNotFound, for it is read whole. As FlatParts says.
+  // A part of a flat blob, at no more than its cost but for the first of one that was not uploaded since the
+  // start, which checks the whole file; of any other blob kNotFound, for it is read whole. As FlatParts says.
   Result<BlobPtr> ReadPart(const Hash& hash, const proto::BlobPart& part);
   void ForgetParts(const Hash& hash);  // it will not be asked for any more
+  // Said by the writing thread of what was uploaded.
+  void KnowParts(const Hash& hash, FlatParts parts);
   // Whether Read would give it. Costs nothing for what lies in a pack: those were read when they were
   // indexed.
   Status Check(const Hash& hash) const;
@@ -61,9 +63,10 @@ class BlobFiles {
     std::map<Hash, BlobPtr> blobs;
   };
   const StoreFolder& folder_;
-  std::deque<OpenPack> open_packs_;  // read last; of the thread that reads
-  FlatPartsCache parts_;             // the same
-  mutable std::mutex mutex_;         // of what follows
+  std::deque<OpenPack> open_packs_;                   // read last; of the thread that reads
+  FlatPartsCache parts_;                              // the same
+  mutable std::mutex mutex_;                          // of what follows
+  std::vector<std::pair<Hash, FlatParts>> uploaded_;  // that parts_ does not have yet
   std::map<std::filesystem::path, std::set<Hash>> packs_;
   std::map<Hash, std::filesystem::path> pack_of_;
 };
@@ -74,7 +77,8 @@ Status CheckBlobAlone(const StoreFolder& folder, const Hash& hash);
 // The files of inputs that are on their way into a store (core/uploads.h). For the thread that writes.
 class UploadFiles {
  public:
-  UploadFiles(const StoreFolder& folder, StoreUse& use) : folder_(folder), use_(use) {}
+  UploadFiles(const StoreFolder& folder, StoreUse& use, BlobFiles& blobs)
+      : folder_(folder), use_(use), blobs_(blobs) {}
 
   // Each fails as schema/store/flat_file.h says, and for good: what follows of the same upload fails too,
   // with the first reason. kNoSpace also by the store's limit.
@@ -90,6 +94,7 @@ class UploadFiles {
   };
   const StoreFolder& folder_;
   StoreUse& use_;
+  BlobFiles& blobs_;
   std::map<std::uint64_t, File> files_;  // by the upload's number
 };
 

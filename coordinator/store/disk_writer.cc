@@ -43,7 +43,7 @@ DiskWriter::DiskWriter(const StoreFolder& folder, BlobFiles& files, StoreUse& us
       files_(files),
       use_(use),
       table_(std::move(table)),
-      uploads_(folder, use),
+      uploads_(folder, use, files),
       wake_(std::move(wake)),
       thread_([this] { Loop(); }) {}
 

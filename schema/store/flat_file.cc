@@ -76,6 +76,7 @@ FlatFileWriter::FlatFileWriter(FlatFileWriter&& other) noexcept
     : temporary_(std::exchange(other.temporary_, {})),
       fd_(std::exchange(other.fd_, -1)),
       check_(std::move(other.check_)),
+      chunks_(std::move(other.chunks_)),
       written_(other.written_),
       started_(other.started_) {}
 
@@ -86,6 +87,7 @@ FlatFileWriter::~FlatFileWriter() {
 
 Status FlatFileWriter::Write(std::span<const std::byte> bytes) {
   if (Status good = check_->Add(bytes); !good.ok()) return good;
+  chunks_.Add(bytes);
   if (const int error = WriteWhole(fd_, bytes)) return SystemFailure(temporary_, "cannot write", error);
   written_ += bytes.size();
   if (written_ - started_ < kStartBytes) return Status::Ok();
@@ -105,6 +107,10 @@ Status FlatFileWriter::Publish(const fs::path& path) {
   Status synced = SyncFolder(path.parent_path());
   if (!synced.ok()) ::unlink(path.c_str());
   return synced;
+}
+
+FlatParts FlatFileWriter::TakeParts(const fs::path& path) {
+  return {path, *check_, written_, std::move(chunks_)};
 }
 
 Result<BlobPtr> ReadFlatFile(const fs::path& path, const Hash& hash) {

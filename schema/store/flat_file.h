@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "schema/flat_blob.h"
+#include "schema/store/flat_parts.h"
 
 namespace cairn {
 
@@ -27,6 +28,8 @@ class FlatFileWriter {
   // All has come: checks the content, syncs, renames to `path` in a folder that is there, syncs that folder.
   // On failure there is nothing at `path`.
   Status Publish(const std::filesystem::path& path);
+  // Once, after that: for whoever reads parts of it, and need not read it through before.
+  FlatParts TakeParts(const std::filesystem::path& path);
 
  private:
   FlatFileWriter(std::filesystem::path temporary, int fd, const Hash& hash)
@@ -34,6 +37,7 @@ class FlatFileWriter {
   std::filesystem::path temporary_;
   int fd_;
   std::unique_ptr<FlatCheck> check_;
+  ChunkHashes chunks_;
   std::uint64_t written_ = 0, started_ = 0;  // bytes; of them, those that are on their way to the disk
 };
 

@@ -1,5 +1,7 @@
 #include "schema/store/flat_file.h"
 
+#include <numeric>
+
 #include "schema/flat_blob_testing.h"
 #include "schema/store/testing.h"
 
@@ -32,6 +34,37 @@ TEST(FlatFile, RoundTripsEveryTypeAndShape) {
   const Result<BlobPtr> read = ReadFlatFile(temp / "whole", hash);
   ASSERT_TRUE(read.ok()) << read.status().message();
   EXPECT_EQ(read.value()->fields(), OddBlob().fields());
+}
+
+TEST(FlatFile, OfOneThatWasJustWrittenPartsAreReadAsOfOneThatWasReadThrough) {
+  const TempFolder temp;
+  Blob blob;
+  std::vector<double> values(50'000);
+  std::iota(values.begin(), values.end(), 0.5);
+  blob.PutVector("range_m", values);
+  const std::string flat = Flat(blob);
+  Result<FlatFileWriter> writer = FlatFileWriter::Create(temp / "part", blob.ContentHash());
+  ASSERT_TRUE(writer.ok());
+  for (std::size_t at = 0; at < flat.size(); at += 70'000)  // across chunks of 64 KiB
+    ASSERT_TRUE(
+        writer.value().Write(std::as_bytes(std::span(std::string_view(flat).substr(at, 70'000)))).ok());
+  ASSERT_TRUE(writer.value().Publish(temp / "whole").ok());
+  const FlatParts parts = writer.value().TakeParts(temp / "whole");
+  const Result<FlatParts> opened = FlatParts::Open(temp / "whole", blob.ContentHash());
+  ASSERT_TRUE(opened.ok());
+  for (const std::int64_t first : {0, 8190, 49'999}) {
+    const proto::BlobPart part = RowsPart("range_m", first, 1);
+    const Result<BlobPtr> read = parts.Read(part);
+    ASSERT_TRUE(read.ok()) << read.status().message();
+    EXPECT_EQ(read.value()->Get<double>("range_m")[0], 0.5 + static_cast<double>(first));
+    EXPECT_EQ(read.value()->fields(), opened.value().Read(part).value()->fields());
+  }
+  std::string bad = flat;
+  bad.back() = static_cast<char>(bad.back() ^ 1);
+  const auto bytes = std::as_bytes(std::span(bad));
+  Overwrite(temp / "whole", {bytes.begin(), bytes.end()});
+  EXPECT_TRUE(parts.Read(RowsPart("range_m", 0, 1)).ok());
+  EXPECT_EQ(parts.Read(RowsPart("range_m", 49'999, 1)).status().code(), Code::kCorrupt);
 }
 
 TEST(FlatFile, WhatIsCutOffOrNotWhatItsHashSaysIsNeverThere) {

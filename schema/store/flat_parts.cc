@@ -27,28 +27,51 @@ Status About(const std::filesystem::path& path, const Status& status) {
 
 }  // namespace
 
-Result<FlatParts> FlatParts::Open(const std::filesystem::path& path, const Hash& hash) {
-  Result<RegularFile> file = RegularFile::Open(path);
-  if (!file.ok()) return file.status();
-  FlatParts parts(path, file.value().size());
-  FlatCheck check(hash);
-  std::vector<std::byte> chunk(kChunkBytes);
-  for (std::uint64_t at = 0; at < parts.size_; at += kChunkBytes) {
-    const auto bytes = std::span(chunk).first(std::min(kChunkBytes, parts.size_ - at));
-    if (const int error = file.value().ReadAt(bytes, at)) return SystemFailure(path, "cannot read", error);
-    if (Status good = check.Add(bytes); !good.ok()) return About(path, good);
-    parts.chunks_.push_back(HashOfChunk(bytes));
+void ChunkHashes::Add(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    if (!hasher_) hasher_ = std::make_unique<Hasher>(), left_ = kChunkBytes;
+    const auto some = bytes.first(std::min<std::uint64_t>(left_, bytes.size()));
+    hasher_->Add(some);
+    bytes = bytes.subspan(some.size());
+    left_ -= some.size();
+    if (left_ > 0) continue;
+    hashes_.push_back(hasher_->Finish());
+    hasher_.reset();
   }
-  if (Status good = check.Finish(); !good.ok()) return About(path, good);
-  parts.meta_ = *check.meta();
+}
+
+std::vector<Hash> ChunkHashes::Finish() && {
+  if (hasher_) hashes_.push_back(hasher_->Finish());
+  return std::move(hashes_);
+}
+
+FlatParts::FlatParts(std::filesystem::path path, const FlatCheck& check, std::uint64_t size,
+                     ChunkHashes chunks)
+    : path_(std::move(path)), size_(size), meta_(*check.meta()), chunks_(std::move(chunks).Finish()) {
   std::uint64_t at = check.head_bytes();
-  for (const wire::ArrayMeta& array : parts.meta_.arrays()) {
-    parts.begins_.push_back(at);
+  for (const wire::ArrayMeta& array : meta_.arrays()) {
+    begins_.push_back(at);
     at += BytesOfArray(static_cast<DType>(array.type()), array.item_bytes(),
                        Shape(array.shape().begin(), array.shape().end()))
               .value();
   }
-  return parts;
+}
+
+Result<FlatParts> FlatParts::Open(const std::filesystem::path& path, const Hash& hash) {
+  Result<RegularFile> file = RegularFile::Open(path);
+  if (!file.ok()) return file.status();
+  const std::uint64_t size = file.value().size();
+  FlatCheck check(hash);
+  ChunkHashes chunks;
+  std::vector<std::byte> chunk(kChunkBytes);
+  for (std::uint64_t at = 0; at < size; at += kChunkBytes) {
+    const auto bytes = std::span(chunk).first(std::min(kChunkBytes, size - at));
+    if (const int error = file.value().ReadAt(bytes, at)) return SystemFailure(path, "cannot read", error);
+    if (Status good = check.Add(bytes); !good.ok()) return About(path, good);
+    chunks.Add(bytes);
+  }
+  if (Status good = check.Finish(); !good.ok()) return About(path, good);
+  return FlatParts(path, check, size, std::move(chunks));
 }
 
 Status FlatParts::Damaged() const {
@@ -98,10 +121,15 @@ Result<BlobPtr> FlatPartsCache::Read(const std::filesystem::path& path, const Ha
   } else {
     Result<FlatParts> parts = FlatParts::Open(path, hash);
     if (!parts.ok()) return parts.status();
-    if (known_.size() == kMostKnown) known_.pop_front();
-    known_.emplace_back(hash, std::move(parts).value());
+    Put(hash, std::move(parts).value());
   }
   return known_.back().second.Read(part);
+}
+
+void FlatPartsCache::Put(const Hash& hash, FlatParts parts) {
+  Forget(hash);
+  if (known_.size() == kMostKnown) known_.pop_front();
+  known_.emplace_back(hash, std::move(parts));
 }
 
 void FlatPartsCache::Forget(const Hash& hash) {

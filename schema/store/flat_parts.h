@@ -5,25 +5,42 @@
 #include <cstdint>
 #include <filesystem>
 #include <list>
+#include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "schema/blob_part.h"
+#include "schema/flat_blob.h"
 #include "schema/store/regular_file.h"
 
 namespace cairn {
+
+// By which what is read later is held against what was there first: a hash of each 64 KiB.
+class ChunkHashes {
+ public:
+  void Add(std::span<const std::byte> bytes);  // the next, however many
+  std::vector<Hash> Finish() &&;
+
+ private:
+  std::unique_ptr<Hasher> hasher_;  // of the chunk that is begun
+  std::uint64_t left_ = 0;          // of it, bytes
+  std::vector<Hash> hashes_;
+};
 
 class FlatParts {
  public:
   // Reads and checks all of it, keeping none. As ReadFlatFile says.
   static Result<FlatParts> Open(const std::filesystem::path& path, const Hash& hash);
+  // Of one that was just written, whole and to the disk: `check` and `chunks` have seen all of it.
+  FlatParts(std::filesystem::path path, const FlatCheck& check, std::uint64_t size, ChunkHashes chunks);
   FlatParts(FlatParts&&) = default;
+  FlatParts& operator=(FlatParts&&) = default;
 
   // kRefused: there is no such part of it. kNotFound: nor is the file. kCorrupt: it is not what it was. kIo.
   Result<BlobPtr> Read(const proto::BlobPart& part) const;
 
  private:
-  FlatParts(std::filesystem::path path, std::uint64_t size) : path_(std::move(path)), size_(size) {}
   Result<Array> ReadArray(const RegularFile& file, const wire::ArrayMeta& array, const CutArray& cut) const;
   Status Damaged() const;
 
@@ -40,6 +57,7 @@ class FlatPartsCache {
  public:
   // As FlatParts::Open and FlatParts::Read say.
   Result<BlobPtr> Read(const std::filesystem::path& path, const Hash& hash, const proto::BlobPart& part);
+  void Put(const Hash& hash, FlatParts parts);  // that need not be read through
   void Forget(const Hash& hash);
 
  private:
