@@ -20,7 +20,7 @@ void Core::Settle() {
   SaveWhatIsDue();
   if (all_touched_) LookAhead();
   touched_.clear();
-  all_touched_ = false;
+  all_touched_ = workers_due_ = false;
   const std::vector<Hash> dropped = ledger_.TakeDropped();
   if (dropped.empty()) return;
   fleet_.Forget(dropped);

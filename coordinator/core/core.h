@@ -106,6 +106,7 @@ class Core {
   void On(const ForgetFailed& event);
   void On(const SaveNow& event);
   void On(const Tick& event);
+  void LookAtWorkers();
 
   // workers.cc
 
@@ -230,6 +231,8 @@ class Core {
   bool behind_ = false;                        // as the last Tick said
   double caught_up_s_ = 0;  // all that had come by then was read: who was slow or silent is judged by it
   std::optional<double> ticked_s_;  // when it was last seen not to stand still
+  std::optional<double> looked_s_;  // when all workers were last looked at
+  bool workers_due_ = false;        // they are, with this event
   BlobLedger ledger_;
   Tally tally_;
   std::vector<Action> actions_;

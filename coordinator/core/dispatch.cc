@@ -10,7 +10,7 @@ void Core::Dispatch() {
   do {
     DispatchReady();
   } while (MoveQueued());  // what makes room behind whom it is taken from
-  if (all_touched_) CopyStragglers();
+  if (workers_due_) CopyStragglers();
 }
 
 void Core::DispatchReady() {

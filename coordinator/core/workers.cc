@@ -223,12 +223,22 @@ void Core::LeaveOutStandstill() {
 }
 
 void Core::On(const Tick& event) {
-  constexpr double kBehindCounts = 6;  // leases: one that is behind for ever must find out, too
   all_touched_ = true;
   behind_ = event.behind;
   if (!behind_) caught_up_s_ = now_s_;
   ticked_s_ = now_s_;
   std::erase_if(lost_, [this](const auto& entry) { return now_s_ - entry.second.since_s > options_.back_s; });
+  LookAtWorkers();
+  if (options_.keep_s > 0) DeleteTheOld();
+}
+
+// Ten times a second would, of a hundred thousand, be half of the event loop's time.
+void Core::LookAtWorkers() {
+  constexpr double kMostPerS = 100'000;
+  constexpr double kBehindCounts = 6;  // leases: one that is behind for ever must find out, too
+  if (looked_s_ && now_s_ - *looked_s_ < static_cast<double>(fleet_.size()) / kMostPerS) return;
+  looked_s_ = now_s_;
+  workers_due_ = true;
   std::vector<std::string> silent;
   std::vector<std::pair<std::string, std::string>> given_up;
   for (const auto& [number, worker] : fleet_.workers()) {
@@ -249,7 +259,6 @@ void Core::On(const Tick& event) {
   }
   if (!silent.empty()) fleet_.DoubtAll();
   for (const auto& [peer, why] : given_up) GiveUp(*fleet_.Find(peer), why);
-  if (options_.keep_s > 0) DeleteTheOld();
 }
 
 }  // namespace cairn::coordinator

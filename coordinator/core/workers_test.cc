@@ -20,6 +20,18 @@ TEST(CoreWorkers, OfManyEachSendsHeartbeatsLessOften) {
   EXPECT_GE(CoreOptions().lease_s, 3 * last_s) << "and is not taken for lost where two are late";
 }
 
+TEST(CoreWorkers, OfVeryManyEachIsLookedAtLessOftenThanTenTimesASecond) {
+  CoreFixture fixture;
+  constexpr int kWorkers = 50'000;
+  for (int i = 0; i < kWorkers; ++i) fixture.Join("w" + std::to_string(i));
+  fixture.Pass(CoreOptions().lease_s - 0.2);
+  for (int i = 1; i < kWorkers; ++i) fixture.Heartbeat("w" + std::to_string(i));
+  fixture.Advance(0.3);
+  EXPECT_EQ(fixture.core.fleet().size(), std::size_t{kWorkers}) << "it was looked at 0.3 s ago";
+  fixture.Advance(0.3);
+  EXPECT_EQ(fixture.core.fleet().size(), std::size_t{kWorkers - 1}) << "the one that is silent";
+}
+
 TEST(CoreWorkers, AnotherBuildIsRefusedWithTheReason) {
   CoreFixture fixture;
   fixture.Join("w", 1, "1");
