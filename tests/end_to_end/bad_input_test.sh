@@ -290,3 +290,12 @@ refuses "holds nothing that Cairn knows" cairn inspect nothing
 # What is no number is none for a worker either.
 exits 2 cairn-worker --connect "ipc://$work/none/hub" --drain-s nan
 says "'nan' is not allowed; allowed: a number from 0 to 1e\+06"
+
+# A batch job that Slurm does not take leaves nothing behind.
+mkdir slurm
+printf '#!/bin/sh\necho "sbatch: error: invalid partition specified: long" >&2\nexit 1\n' >slurm/sbatch
+chmod +x slurm/sbatch
+simulate log.h5
+exits 1 env PATH="$PWD/slurm:$PATH" cairn run landmark_map log.h5 --out map --on slurm --sbatch=--partition=long
+says 'invalid partition specified: long'
+[ ! -e map ] || die "a job that Slurm did not take has left $(find map)"

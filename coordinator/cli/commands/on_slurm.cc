@@ -126,6 +126,7 @@ std::string OnSlurmScript(const OnSlurmArguments& arguments, const std::string& 
 int RunOnSlurm(const OnSlurmArguments& arguments) {
   const fs::path out = fs::absolute(arguments.out), own = out / ".on-slurm";
   std::error_code error;
+  const bool is_new = !fs::exists(own), is_new_out = !fs::exists(out);
   fs::create_directories(own, error);
   if (!error) fs::permissions(own, fs::perms::owner_all, error);
   if (error) Throw(SystemFailure(own, "cannot make the folder", error.value()));
@@ -138,7 +139,11 @@ int RunOnSlurm(const OnSlurmArguments& arguments) {
   sbatch.words.insert(sbatch.words.end(), arguments.sbatch.begin(), arguments.sbatch.end());
   constexpr double kMonth_s = 30 * 86400;  // it may wait for the job
   const coordinator::ProgramOutput output = coordinator::RunPrograms({sbatch}, kMonth_s)[0];
-  if (output.exit_code != 0 && output.out.empty()) throw WorldError(coordinator::SlurmFailure(output));
+  if (output.exit_code != 0 && output.out.empty()) {
+    if (is_new) fs::remove_all(own, error);
+    if (is_new_out) fs::remove(out, error);
+    throw WorldError(coordinator::SlurmFailure(output));
+  }
   std::printf("submitted as Slurm's job %s; results come into %s, what happens is in %s\n",
               output.out.substr(0, output.out.find_first_of(";\n")).c_str(), out.c_str(),
               (own / "log").c_str());

@@ -43,10 +43,16 @@ bool IsOver(const std::string& state) {
 }  // namespace
 
 std::string SlurmFailure(const ProgramOutput& output) {
-  if (output.exit_code >= 0 || output.failure.find("No such file or directory") == std::string::npos)
-    return output.failure;
-  return output.failure +
-         ": Slurm's commands are not here; run this on a machine from which jobs are submitted";
+  const auto says = [&output](const char* what) { return output.failure.find(what) != std::string::npos; };
+  if (output.exit_code < 0 && says("No such file or directory"))
+    return output.failure +
+           ": Slurm's commands are not here; run this on a machine from which jobs are submitted";
+  if (says("configuration source"))
+    return output.failure +
+           ": this machine belongs to no Slurm cluster; run this on one from which jobs are submitted, or "
+           "name "
+           "the cluster's slurm.conf in SLURM_CONF";
+  return output.failure;
 }
 
 std::string ArrayScript(const SlurmOptions& options, std::uint64_t first) {

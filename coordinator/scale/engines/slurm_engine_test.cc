@@ -102,6 +102,8 @@ TEST(SlurmEngine, SaysWhatSlurmSaysAndWhatToDoWhereItIsMissing) {
   EXPECT_EQ(started.status.message(), "sbatch: error: invalid partition specified: long");
   EXPECT_PRED_FORMAT2(testing::IsSubstring, "run this on a machine from which jobs are submitted",
                       engine.List().status().message());
+  slurm.answers["squeue"] = {1, "", "", "squeue: fatal: Could not establish a configuration source"};
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, "SLURM_CONF", engine.List().status().message());
 }
 
 }  // namespace
