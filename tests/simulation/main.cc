@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
@@ -62,13 +63,17 @@ std::uint64_t RunScaleWorlds(const std::string& program, std::uint64_t first, st
 void RunSizeWorld(const cairn::simulation::SizeOptions& options) {
   const cairn::simulation::SizeOutcome o = cairn::simulation::SizeWorld(options).Run();
   std::printf(
-      "%u workers, tasks of %g s: %.0f tasks/s, workers busy %.2f; event loop %.2f of a core (the core of "
-      "the "
-      "coordinator %.2f), sockets %.2f; longest from tick to tick %.2f s, longest silence %.2f s, %llu taken "
-      "for "
-      "lost\n",
-      options.workers, options.task_s, o.tasks_per_s, o.busy, o.loop, o.core, o.sockets, o.longest_tick_s,
-      o.longest_silence_s, static_cast<unsigned long long>(o.lost));
+      "%u of %u workers joined; tasks of %g s: %.0f tasks/s, workers busy %.2f\n"
+      "  event loop %.2f of a core (the core of the coordinator %.2f), sockets %.2f; longest from tick to "
+      "tick "
+      "%.2f s, longest silence %.2f s, %llu taken for lost\n",
+      o.joined, options.workers, options.task_s, o.tasks_per_s, o.busy, o.loop, o.core, o.sockets,
+      o.longest_tick_s, o.longest_silence_s, static_cast<unsigned long long>(o.lost));
+  constexpr std::array<const char*, cairn::simulation::kCauses> kCauseTexts = {"joins", "heartbeats", "tasks",
+                                                                               "ticks"};
+  for (std::size_t k = 0; k < kCauseTexts.size(); ++k)
+    std::printf("  for %s: event loop %.3f, sockets %.3f\n", kCauseTexts[k], o.a_second[k].loop_s,
+                o.a_second[k].sockets_s);
   std::printf("  killed: %u back at work", o.back);
   if (o.back_s >= 0) std::printf(", all of them after %.1f s", o.back_s);
   std::printf("; %llu times one was told to try later\n", static_cast<unsigned long long>(o.turned_away));
@@ -82,6 +87,7 @@ void AddSizeOptions(CLI::App& app, cairn::simulation::SizeOptions& size) {
          "back when it is killed")
       ->check(CLI::Range(1u, 1'000'000u));
   app.add_option("--task-s", size.task_s, "with --workers: what a task takes")->capture_default_str();
+  app.add_option("--join-s", size.join_s, "with --workers: over how long they come")->capture_default_str();
   app.add_option("--jobs", size.jobs, "with --workers: side by side")
       ->check(CLI::Range(1u, 1000u))
       ->capture_default_str();

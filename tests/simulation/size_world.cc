@@ -29,6 +29,17 @@ Hash NumberedHash(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
   return hasher.Finish();
 }
 
+Cause CauseOf(const Event& event) {
+  if (std::holds_alternative<WorkerHello>(event)) return Cause::kJoin;
+  if (std::holds_alternative<WorkerHeartbeat>(event)) return Cause::kHeartbeat;
+  return Cause::kTask;
+}
+
+Cause CauseOf(const wire::Envelope& message) {
+  const bool of_task = message.has_assign() || message.has_cancel();
+  return of_task ? Cause::kTask : Cause::kJoin;
+}
+
 proto::Job EmptyJob(std::uint64_t seed) {
   proto::Job job;
   job.set_name("size");
@@ -49,7 +60,7 @@ SizeWorld::SizeWorld(const SizeOptions& options) : options_(options), rng_(1), w
 
 SizeOutcome SizeWorld::Run() {
   Start();
-  for (std::uint32_t i = 0; i < workers_.size(); ++i) Push(rng_.Uniform() * 10, What::kKnock, i);
+  for (std::uint32_t i = 0; i < workers_.size(); ++i) Push(rng_.Uniform() * options_.join_s, What::kKnock, i);
   const auto until = [this](double end_s) {
     while (!happenings_.empty() && happenings_.top().at_s < end_s) {
       Happening happening = happenings_.top();
@@ -59,23 +70,27 @@ SizeOutcome SizeWorld::Run() {
     }
     now_s_ = end_s;
   };
-  // They join over ten seconds, or as long as it takes; what is counted begins then.
-  constexpr double kJoin_s = 20;
-  until(kJoin_s);
+  const double begins_s = 1.5 * options_.join_s;
+  until(begins_s);
   done_ = 0;
-  loop_s_ = core_s_ = sockets_s_ = 0;
+  spent_ = {};
+  core_s_ = 0;
   outcome_ = {};
+  outcome_.joined = static_cast<std::uint32_t>(core_->fleet().size());
   for (Worker& worker : workers_) worker.busy_s = 0;
-  until(kJoin_s + options_.seconds);
+  until(begins_s + options_.seconds);
   outcome_.tasks_per_s = static_cast<double>(done_) / options_.seconds;
   double busy_s = 0;
   for (const Worker& worker : workers_) busy_s += worker.busy_s;
   outcome_.busy = busy_s / options_.seconds / static_cast<double>(workers_.size());
-  outcome_.loop = loop_s_ / options_.seconds;
   outcome_.core = core_s_ / options_.seconds;
-  outcome_.sockets = sockets_s_ / options_.seconds;
+  for (std::size_t k = 0; k < kCauses; ++k) {
+    outcome_.a_second[k] = {spent_[k].loop_s / options_.seconds, spent_[k].sockets_s / options_.seconds};
+    outcome_.loop += outcome_.a_second[k].loop_s;
+    outcome_.sockets += outcome_.a_second[k].sockets_s;
+  }
   Kill();
-  until(kJoin_s + 2 * options_.seconds);
+  until(begins_s + 2 * options_.seconds);
   return outcome_;
 }
 
@@ -96,7 +111,8 @@ void SizeWorld::Happen(Happening& happening) {
       Push(kLatency_s, What::kHear, happening.worker, {}, wire::Envelope());
       return;
     case What::kArrive:
-      return Push(Sockets(options_.socket_us), What::kQueue, happening.worker, std::move(happening.event));
+      return Push(Sockets(options_.socket_us, CauseOf(*happening.event)), What::kQueue, happening.worker,
+                  std::move(happening.event));
     case What::kQueue:
     case What::kPersisted:
       return Queue(happening.worker, std::move(*happening.event));
@@ -126,7 +142,7 @@ void SizeWorld::Start() {
   numbers_.clear();
   for (Worker& worker : workers_) worker.worked = false;
   for (std::uint32_t job = 0; job < options_.jobs; ++job)
-    Handle(SubmitJob{std::to_string(job + 1) + "-size", EmptyJob(job), {}});
+    Handle(SubmitJob{std::to_string(job + 1) + "-size", EmptyJob(job), {}}, Cause::kTask);
   Push(kTick_s, What::kTick);
 }
 
@@ -148,9 +164,9 @@ void SizeWorld::TryLater(std::uint32_t number) {
   Push(worker.pause_s * (1 + rng_.Uniform()), What::kKnock, number);
 }
 
-double SizeWorld::Sockets(double us) {
+double SizeWorld::Sockets(double us, Cause cause) {
   sockets_free_s_ = std::max(sockets_free_s_, now_s_) + us * 1e-6;
-  sockets_s_ += us * 1e-6;
+  Of(cause).sockets_s += us * 1e-6;
   return sockets_free_s_ - now_s_;
 }
 
@@ -159,10 +175,10 @@ void SizeWorld::Knock(std::uint32_t number) {
   if (!up_) return TryLater(number);
   if (newcomers_ >= options_.newcomers) {
     ++outcome_.turned_away;
-    Sockets(kTurnedAway_us);
+    Sockets(kTurnedAway_us, Cause::kJoin);
     return TryLater(number);
   }
-  const double through_s = Sockets(options_.join_us);
+  const double through_s = Sockets(options_.join_us, Cause::kJoin);
   if (through_s > kHandshake_s) return TryLater(number);
   ++newcomers_;
   workers_[number].newcomer = true;
@@ -175,7 +191,7 @@ void SizeWorld::Tick() {
         std::max(outcome_.longest_silence_s, now_s_ - core_began_s_ - worker.heard_s);
   if (ticked_s_ > 0) outcome_.longest_tick_s = std::max(outcome_.longest_tick_s, now_s_ - ticked_s_);
   ticked_s_ = now_s_;
-  Handle(coordinator::Tick{queue_.size() >= 256});
+  Handle(coordinator::Tick{queue_.size() >= 256}, Cause::kTick);
 }
 
 void SizeWorld::Queue(std::uint32_t number, Event event) {
@@ -188,15 +204,15 @@ void SizeWorld::Turn() {
   const auto [number, event] = std::move(queue_.front());
   if (now_s_ - ticked_s_ >= kTick_s) Tick();
   loop_free_s_ = std::max(loop_free_s_, now_s_) + options_.message_us * 1e-6;
-  loop_s_ += options_.message_us * 1e-6;
+  Of(CauseOf(event)).loop_s += options_.message_us * 1e-6;
   if (std::holds_alternative<WorkerHello>(event) && std::exchange(workers_[number].newcomer, false))
     --newcomers_;
-  Handle(event);
+  Handle(event, CauseOf(event));
   queue_.pop_front();
   if (!queue_.empty()) Push(loop_free_s_ - now_s_, What::kTurn);
 }
 
-void SizeWorld::Handle(const Event& event) {
+void SizeWorld::Handle(const Event& event, Cause cause) {
   const double began_s = ThreadSeconds();
   std::vector<Action> actions = core_->Handle(event, now_s_ - core_began_s_);
   double took_s = ThreadSeconds() - began_s;
@@ -216,9 +232,10 @@ void SizeWorld::Handle(const Event& event) {
     }
   }
   loop_free_s_ = std::max(loop_free_s_, now_s_) + took_s;
-  loop_s_ += took_s;
+  Of(cause).loop_s += took_s;
   for (auto& [number, message] : sends) {
-    const double in_s = std::max(Sockets(options_.socket_us), loop_free_s_ - now_s_) + kLatency_s;
+    const double in_s =
+        std::max(Sockets(options_.socket_us, CauseOf(message)), loop_free_s_ - now_s_) + kLatency_s;
     Push(in_s, What::kHear, number, {}, std::move(message));
   }
 }

@@ -4,6 +4,7 @@
 // run.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -19,6 +20,7 @@ namespace cairn::simulation {
 
 struct SizeOptions {
   std::uint32_t workers = 10'000, slots = 4, jobs = 4, tasks_a_worker = 2;  // of a round
+  double join_s = 10;               // they come over so long, and half as long is waited for them
   double task_s = 1, seconds = 20;  // then the coordinator is killed, and as long again watched
   // Of the event loop for a message in or out, beside the core's; of ZeroMQ's thread for one, and for a
   // connection that is made.
@@ -27,7 +29,18 @@ struct SizeOptions {
   std::uint32_t newcomers = 4096;  // connections that may have said nothing yet (wire::Places)
 };
 
+// What the threads are for.
+enum class Cause : std::uint8_t { kJoin, kHeartbeat, kTask, kTick };
+inline constexpr std::size_t kCauses = 4;
+
+// Processor time of the event loop and of ZeroMQ's thread.
+struct ThreadTime {
+  double loop_s = 0, sockets_s = 0;
+};
+
 struct SizeOutcome {
+  std::uint32_t joined = 0;  // when counting began
+  std::array<ThreadTime, kCauses> a_second;
   double tasks_per_s = 0;
   double busy = 0;                         // of the workers, on average
   double loop = 0, core = 0, sockets = 0;  // processor time a second, of the threads; `core` is within `loop`
@@ -86,11 +99,12 @@ class SizeWorld {
   void Queue(std::uint32_t number, coordinator::Event event);
   void Turn();
   void Tick();
-  void Handle(const coordinator::Event& event);
+  void Handle(const coordinator::Event& event, Cause cause);
   void Hear(std::uint32_t number, const wire::Envelope& message);
   void EndTask(std::uint32_t number);
   void SayHeartbeat(std::uint32_t number);
-  double Sockets(double us);  // when ZeroMQ's thread is through with it, from now on
+  double Sockets(double us, Cause cause);  // when ZeroMQ's thread is through with it, from now on
+  ThreadTime& Of(Cause cause) { return spent_[static_cast<std::size_t>(cause)]; }
 
   const SizeOptions options_;
   Rng rng_;
@@ -106,7 +120,8 @@ class SizeWorld {
   std::vector<Worker> workers_;
   std::map<std::string, std::uint32_t> numbers_;  // by peer
   std::uint64_t done_ = 0;
-  double loop_s_ = 0, core_s_ = 0, sockets_s_ = 0;
+  std::array<ThreadTime, kCauses> spent_;
+  double core_s_ = 0;
   SizeOutcome outcome_;
 };
 
