@@ -9,6 +9,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -64,11 +65,14 @@ class CloudReader : public TopicReader {
     RangeEvent event;
     event.line = message.number;
     event.stamp_s = *time_s;
-    event.range_m.assign(kSectors, std::numeric_limits<double>::quiet_NaN());
+    event.row = topic_.events.size();
+    const std::size_t before = topic_.range_m.size();
+    topic_.range_m.resize(before + kSectors, std::numeric_limits<double>::quiet_NaN());
+    const std::span scan = std::span(topic_.range_m).subspan(before);
     seen_.assign(kSectors, false);
     for (std::size_t row = 0; columns > 0 && row < rows; ++row)
       for (std::size_t column = 0; column < columns; ++column)
-        AddPoint(axes, data.data() + row * row_bytes + column * point_bytes, &event.range_m);
+        AddPoint(axes, data.data() + row * row_bytes + column * point_bytes, scan);
     for (std::size_t i = 0; i < kSectors; ++i) topic_.scans_with_points[i] += seen_[i] ? 1 : 0;
     topic_.events.push_back(std::move(event));
   }
@@ -95,7 +99,7 @@ class CloudReader : public TopicReader {
     topic_.scans_with_points.assign(kSectors, 0);
   }
 
-  void AddPoint(const std::array<Axis, 3>& axes, const std::byte* bytes, std::vector<double>* range_m) {
+  void AddPoint(const std::array<Axis, 3>& axes, const std::byte* bytes, std::span<double> range_m) {
     const PointInSpace at = Apply(mount_, {axes[0].In(bytes), axes[1].In(bytes), axes[2].In(bytes)});
     const double x = at.x - mount_.x, y = at.y - mount_.y, range = std::hypot(x, y);
     if (!(range > 0) || !std::isfinite(range) || !std::isfinite(at.z)) return;
@@ -103,7 +107,7 @@ class CloudReader : public TopicReader {
     const auto sector = std::min(static_cast<std::size_t>(std::max(turns, 0.0)), kSectors - 1);
     seen_[sector] = true;
     if (!(at.z >= cut_.low_m && at.z <= cut_.high_m)) return;
-    double& nearest = (*range_m)[sector];
+    double& nearest = range_m[sector];
     if (!(nearest <= range)) nearest = range;
   }
 

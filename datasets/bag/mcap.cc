@@ -13,7 +13,7 @@
 namespace cairn::datasets::bag {
 namespace {
 
-constexpr std::uint64_t kRecordHead = 9;
+constexpr std::uint64_t kRecordHead = 9, kMessageHead = 2 + 4 + 8 + 8;
 
 struct Schema {
   std::string_view name, text;  // that are kept; of another encoding than ROS has no text
@@ -194,32 +194,51 @@ class Mcap : public Container {
 
   void ReadRecord(const Record& record, const Take& take) {
     if (record.op == kMcapChunk)
-      ReadChunk(file_.View(record.at, record.bytes), take);
+      ReadChunk(record, take);
     else if (record.op == kMcapMessage)
-      TakeMessage(file_.View(record.at, record.bytes), take);
+      TakeMessage(
+          file_.View(record.at, std::min(record.bytes, kMessageHead)),
+          [&] { return file_.View(record.at, record.bytes).subspan(kMessageHead); }, take);
     else if (record.op == kMcapSchema || record.op == kMcapChannel)
       ReadDefinition(record.op, file_.View(record.at, record.bytes));
   }
 
-  void ReadChunk(ByteSpan bytes, const Take& take) {
+  void ReadChunk(const Record& chunk, const Take& take) {
+    constexpr std::uint64_t kMostHead = 256;
+    const ByteSpan bytes = file_.View(chunk.at, std::min(chunk.bytes, kMostHead));
     ByteReader head(bytes, "a chunk");
     head.Bytes(16);  // its first and last time
     const auto size = head.Take<std::uint64_t>();
     head.Bytes(4);  // a checksum
     const std::string how = head.Text();
-    const ByteSpan records = unpacker_.Unpack(how, head.Bytes(head.Take<std::uint64_t>()), size);
+    const auto packed_bytes = head.Take<std::uint64_t>();
+    const std::uint64_t begin = chunk.at + (bytes.size() - head.left());
+    if (packed_bytes > chunk.end - begin) throw Damage{"cut short: a chunk"};
+    if (IsPlain(how)) return ReadPlainChunk(begin, begin + packed_bytes, take);
+    const ByteSpan records = unpacker_.Unpack(how, file_.View(begin, packed_bytes), size);
     for (ByteReader in(records, "a record of a chunk"); in.left() > 0;) {
       const auto op = in.Take<std::uint8_t>();
       const ByteSpan record = in.Bytes(in.Take<std::uint64_t>());
       if (op == kMcapMessage)
-        TakeMessage(record, take);
+        TakeMessage(record, [&] { return record.subspan(kMessageHead); }, take);
       else if (op == kMcapSchema || op == kMcapChannel)
         ReadDefinition(op, record);
     }
   }
 
-  void TakeMessage(ByteSpan bytes, const Take& take) {
-    ByteReader in(bytes, "a message");
+  // Of messages that are not wanted no more than the heads.
+  void ReadPlainChunk(std::uint64_t at, std::uint64_t end, const Take& take) {
+    while (at < end) {
+      const Record record = RecordAt(at);
+      if (record.end > end) throw Damage{"cut short: a record of a chunk"};
+      if (record.op != kMcapChunk) ReadRecord(record, take);
+      at = record.end;
+    }
+  }
+
+  template <class Bytes>
+  void TakeMessage(ByteSpan head, const Bytes& bytes, const Take& take) {
+    ByteReader in(head, "a message");
     const auto channel = ids_.find(in.Take<std::uint16_t>());
     if (channel == ids_.end()) throw Damage{"a message of a channel that is not there"};
     in.Bytes(4);  // its number
@@ -229,7 +248,7 @@ class Mcap : public Container {
       Count(channel->second, 1);
       Cover(time_ns, time_ns);
     } else if (channel->second < wanted_->size() && (*wanted_)[channel->second]) {
-      take({channel->second, ++numbers_[channel->second], time_ns, in.Bytes(in.left())});
+      take({channel->second, ++numbers_[channel->second], time_ns, bytes()});
     }
   }
 

@@ -250,11 +250,16 @@ class BagLog {
       if (scan->scans_with_points.empty() || scan->scans_with_points[beam] > 0)
         AddBeam(mount, scan->first_rad + static_cast<double>(beam) * scan->step_rad, &rows, &steepest);
     WarnOfTilt(scan->topic, steepest);
+    ranges_.events.reserve(ranges_.events.size() + scan->events.size());
     for (RangeEvent& event : scan->events) {
       event.sensor = ranges_.sensors.size();
       ranges_.events.push_back(std::move(event));
     }
     scan->events = {};
+    rows.range_m = std::move(scan->range_m);
+    rows.intensity = std::move(scan->intensity);
+    if (!rows.intensity.empty())
+      rows.intensity.resize(rows.range_m.size(), std::numeric_limits<float>::quiet_NaN());
     ranges_.sensors.push_back(std::move(rows));
   }
 
@@ -266,12 +271,10 @@ class BagLog {
       if (100 * count < scan->events.size()) count = 0;
     if (std::ranges::all_of(counts, [](std::size_t count) { return count == 0; }))
       throw InputError(scan->topic + ": there is hardly a point in its clouds");
-    for (RangeEvent& event : scan->events) {
-      std::size_t kept = 0;
-      for (std::size_t beam = 0; beam < counts.size(); ++beam)
-        if (counts[beam] > 0) event.range_m[kept++] = event.range_m[beam];
-      event.range_m.resize(kept);
-    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < scan->range_m.size(); ++i)
+      if (counts[i % counts.size()] > 0) scan->range_m[kept++] = scan->range_m[i];
+    scan->range_m.resize(kept);
   }
 
   // A round is over when each sensor has said something; what one says twice in it counts as it said it last.

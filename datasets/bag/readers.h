@@ -50,6 +50,9 @@ struct ScanTopic {
   double opening_rad = 0, max_range_m = 0;
   bool is_infrared = false;
   std::size_t beams = 0;
+  std::size_t expected = 0;        // scans, as far as that is known
+  RangeValues range_m;             // of a laser: a row for each event
+  std::vector<float> intensity;    // the same; empty: no message has any
   std::vector<RangeEvent> events;  // without a sensor
   // Of clouds: beams are as the robot has them, about this place; and how many scans had points there.
   std::optional<Pose> level_at;

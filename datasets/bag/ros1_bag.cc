@@ -26,20 +26,18 @@ enum Op : std::uint8_t {
 };
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
-// Fields of a record's header; those of a connection too.
+// Fields of a record's header; those of a connection too. There are few, and one is looked at once.
 class RosFields {
  public:
-  explicit RosFields(ByteSpan bytes) {
-    for (ByteReader in(bytes, "a record's header"); in.left() > 0;) {
+  explicit RosFields(ByteSpan bytes) : bytes_(bytes) {}
+  // Of several the first.
+  std::string_view Text(std::string_view name) const {
+    for (ByteReader in(bytes_, "a record's header"); in.left() > 0;) {
       const std::string_view field = AsText(in.Block());
       const std::size_t equals = field.find('=');
       if (equals == std::string_view::npos) throw Damage{"a record's header has a field without '='"};
-      fields_.emplace_back(field.substr(0, equals), field.substr(equals + 1));
+      if (field.substr(0, equals) == name) return field.substr(equals + 1);
     }
-  }
-  std::string_view Text(std::string_view name) const {
-    for (const auto& [key, value] : fields_)
-      if (key == name) return value;
     return {};
   }
   template <class T>
@@ -57,7 +55,7 @@ class RosFields {
   }
 
  private:
-  std::vector<std::pair<std::string_view, std::string_view>> fields_;
+  ByteSpan bytes_;
 };
 
 struct ChunkAt {
@@ -230,6 +228,7 @@ class Ros1Bag : public Container {
       case kChunk: {
         const std::string how(fields.Text("compression"));
         const auto size = fields.Number<std::uint32_t>("size");
+        if (IsPlain(how)) return ReadPlainChunk(record, take);
         const ByteSpan packed = file_.View(record.data_at, record.data_bytes);
         ReadChunk(unpacker_.Unpack(how, packed, size), take);
         break;
@@ -237,7 +236,7 @@ class Ros1Bag : public Container {
       case kMessage: {
         const auto connection = fields.Number<std::uint32_t>("conn");
         const std::int64_t time_ns = fields.Time("time");
-        TakeMessage(connection, time_ns, file_.View(record.data_at, record.data_bytes), take);
+        TakeMessage(connection, time_ns, [&] { return file_.View(record.data_at, record.data_bytes); }, take);
         break;
       }
       case kConnection:
@@ -245,6 +244,18 @@ class Ros1Bag : public Container {
         break;
       default:
         break;
+    }
+  }
+
+  // Of messages that are not wanted no more than the headers.
+  void ReadPlainChunk(const Record& chunk, const Take& take) {
+    for (std::uint64_t at = chunk.data_at; at < chunk.end;) {
+      const auto [record, fields] = RecordAt(at);
+      if (record.end > chunk.end) throw Damage{"cut short: a record of a chunk"};
+      const auto op = fields.Number<std::uint8_t>("op");
+      if (op != kConnection && op != kMessage) throw Damage{"a record that no chunk has"};
+      ReadRecord(record, fields, take);
+      at = record.end;
     }
   }
 
@@ -256,20 +267,21 @@ class Ros1Bag : public Container {
       if (op == kConnection)
         AddConnection(fields.Number<std::uint32_t>("conn"), std::string(fields.Text("topic")), data);
       else if (op == kMessage)
-        TakeMessage(fields.Number<std::uint32_t>("conn"), fields.Time("time"), data, take);
+        TakeMessage(fields.Number<std::uint32_t>("conn"), fields.Time("time"), [&] { return data; }, take);
       else
         throw Damage{"a record that no chunk has"};
     }
   }
 
-  void TakeMessage(std::uint32_t connection, std::int64_t time_ns, ByteSpan bytes, const Take& take) {
+  template <class Bytes>
+  void TakeMessage(std::uint32_t connection, std::int64_t time_ns, const Bytes& bytes, const Take& take) {
     const auto channel = connections_.find(connection);
     if (channel == connections_.end()) throw Damage{"a message of a connection that is not there"};
     if (counts_) {
       Count(channel->second, 1);
       Cover(time_ns, time_ns);
     } else if (channel->second < wanted_->size() && (*wanted_)[channel->second]) {
-      take({channel->second, ++numbers_[channel->second], time_ns, bytes});
+      take({channel->second, ++numbers_[channel->second], time_ns, bytes()});
     }
   }
 

@@ -167,11 +167,13 @@ inline std::string DefinitionText(const std::string& type, bool is_ros1, const s
   if (!own.empty()) text = own;
   CAIRN_DEMAND(!text.empty(), type);
   for (const char* part :
-       {"std_msgs/Header", "geometry_msgs/Point", "geometry_msgs/Vector3", "geometry_msgs/Quaternion",
-        "geometry_msgs/Pose", "geometry_msgs/PoseStamped", "geometry_msgs/PoseWithCovariance",
-        "geometry_msgs/Transform", "geometry_msgs/TransformStamped", "geometry_msgs/Twist",
-        "geometry_msgs/TwistWithCovariance", "sensor_msgs/LaserEcho", "apriltag_msgs/AprilTagDetection",
-        "sensor_msgs/NavSatStatus", "sensor_msgs/PointField", "sensor_msgs/RegionOfInterest"}) {
+       {"geometry_msgs/TransformStamped", "geometry_msgs/Transform", "geometry_msgs/PoseStamped",
+        "geometry_msgs/PoseWithCovariance", "geometry_msgs/Pose", "geometry_msgs/TwistWithCovariance",
+        "geometry_msgs/Twist", "geometry_msgs/Point", "geometry_msgs/Vector3", "geometry_msgs/Quaternion",
+        "sensor_msgs/LaserEcho", "apriltag_msgs/AprilTagDetection", "sensor_msgs/NavSatStatus",
+        "sensor_msgs/PointField", "sensor_msgs/RegionOfInterest", "std_msgs/Header"}) {
+    const std::string_view name = std::string_view(part).substr(std::string_view(part).find('/') + 1);
+    if (text.find(name) == std::string::npos) continue;  // nothing of it
     text += std::string(80, '=') + "\nMSG: " + part + "\n";
     if (is_ros1 && std::string_view(part) == "std_msgs/Header")
       text += "# of ROS 1\nuint32 seq\ntime stamp\nstring frame_id\n";

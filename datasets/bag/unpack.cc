@@ -90,7 +90,7 @@ void UnpackBz2(ByteSpan packed, Sink* sink) {
 }  // namespace
 
 ByteSpan Unpacker::Unpack(const std::string& how, ByteSpan packed, std::uint64_t size) {
-  if (how.empty() || how == "none") return packed;
+  if (IsPlain(how)) return packed;
   if (size > kMostRecordBytes)
     throw Damage{"a chunk of " + std::to_string(size >> 20) + " MB, where " +
                  std::to_string(kMostRecordBytes >> 20) + " MB are allowed"};

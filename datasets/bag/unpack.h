@@ -9,6 +9,8 @@
 
 namespace cairn::datasets::bag {
 
+inline bool IsPlain(std::string_view how) { return how.empty() || how == "none"; }
+
 class Unpacker {
  public:
   // `how`: "" or "none", "lz4" (frames), "zstd", "bz2"; valid until the next call. Memory grows with what

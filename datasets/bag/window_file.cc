@@ -7,7 +7,7 @@
 namespace cairn::datasets::bag {
 namespace {
 
-constexpr std::uint64_t kWindowBytes = 1 << 18;
+constexpr std::uint64_t kLeastAhead = 1 << 12, kMostAhead = 1 << 18;
 
 RegularFile OpenRegular(const std::string& path) {
   Result<RegularFile> file = RegularFile::Open(path);
@@ -25,7 +25,9 @@ ByteSpan WindowFile::View(std::uint64_t at, std::uint64_t count) {
     throw Damage{"a record of " + std::to_string(count >> 20) + " MB, where " +
                  std::to_string(kMostRecordBytes >> 20) + " MB are allowed"};
   if (at < begin_ || at + count > begin_ + filled_) {
-    const std::uint64_t wanted = std::min(std::max(count, kWindowBytes), size() - at);
+    const bool goes_on = at >= begin_ && at <= begin_ + filled_;
+    ahead_ = goes_on ? std::clamp(4 * ahead_, kLeastAhead, kMostAhead) : kLeastAhead;
+    const std::uint64_t wanted = std::min(std::max(count, ahead_), size() - at);
     if (window_.size() < wanted) window_.resize(wanted);
     filled_ = 0;
     if (const int error = file_.ReadAt(std::span(window_).first(wanted), at); error != 0)

@@ -1,4 +1,5 @@
-// A file of any size of which a part is in memory.
+// A file of any size of which a part is in memory. Who goes through it reads it in large pieces, who leaps
+// over most of it little more than what is looked at.
 #pragma once
 
 #include <cstddef>
@@ -29,6 +30,7 @@ class WindowFile {
   RegularFile file_;
   std::vector<std::byte> window_;
   std::uint64_t begin_ = 0, filled_ = 0;  // what of the file is in the window
+  std::uint64_t ahead_ = 0;               // how much is read at once
 };
 
 }  // namespace cairn::datasets::bag

@@ -65,7 +65,7 @@ class CsvImport {
     WarnOfAlikeNames();
     SortLandmarks();
     report_.skipped = bad_.counts();
-    *log = MakeLog(rows_, options_.odometry, &report_);
+    *log = MakeLog(std::move(rows_), options_.odometry, &report_);
     return report_;
   }
 

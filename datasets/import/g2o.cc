@@ -40,7 +40,7 @@ class G2oImport {
       report_.dropped["observation from a pose without odometry"] += static_cast<std::int64_t>(seen.size());
     NumberLandmarks();
     report_.skipped = bad_.counts();
-    *log = MakeLog(rows_, options_.file, &report_);
+    *log = MakeLog(std::move(rows_), options_.file, &report_);
     return report_;
   }
 

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <span>
+#include <utility>
 
 #include "datasets/common/observation_doubts.h"
 #include "datasets/common/unit_doubts.h"
@@ -43,12 +46,21 @@ kinds::PoseTable TableOf(const Poses& poses) {
   return {poses.time_s, poses.x_m, poses.y_m, WithinATurn(poses.heading_rad)};
 }
 
-kinds::Log::RangeSensor SensorOf(const RangeRows& rows) {
+// The ranges of a long log are most of the memory: they are not copied.
+Array ArrayOf(const Shape& shape, RangeValues values) {
+  const auto owner = std::make_shared<const RangeValues>(std::move(values));
+  Result<Array> array =
+      Array::Over(DType::kF64, sizeof(double), shape, std::as_bytes(std::span(*owner)), owner);
+  CAIRN_DEMAND(array.ok(), array.status().message());
+  return std::move(array).value();
+}
+
+kinds::Log::RangeSensor SensorOf(RangeRows&& rows) {
   const auto scans = static_cast<std::int64_t>(rows.time_s.size()),
              beams = static_cast<std::int64_t>(rows.beam_x_m.size());
   kinds::Log::RangeSensor sensor{rows.sensor,
                                  rows.time_s,
-                                 {{scans, beams}, rows.range_m},
+                                 ArrayOf({scans, beams}, std::move(rows.range_m)),
                                  rows.beam_x_m,
                                  rows.beam_y_m,
                                  rows.beam_heading_rad,
@@ -60,7 +72,8 @@ kinds::Log::RangeSensor SensorOf(const RangeRows& rows) {
   return sensor;
 }
 
-void PutRobot(const RobotRows& robot, std::size_t index, Blob* log) {
+// Takes the ranges.
+void PutRobot(RobotRows& robot, std::size_t index, Blob* log) {
   const std::string prefix = "robot/" + std::to_string(index) + "/";
   const Observations &seen = robot.observations, &sighted = robot.robot_observations;
   kinds::Log::Robot of;
@@ -70,7 +83,7 @@ void PutRobot(const RobotRows& robot, std::size_t index, Blob* log) {
     of.robot_observations = {sighted.time_s, sighted.range_m, WithinATurn(sighted.bearing_rad),
                              sighted.landmark};
   if (!robot.poses.time_s.empty()) of.poses = TableOf(robot.poses);
-  for (const RangeRows& ranges : robot.ranges) of.sensors.push_back(SensorOf(ranges));
+  for (RangeRows& ranges : robot.ranges) of.sensors.push_back(SensorOf(std::move(ranges)));
   PutFields(prefix, of, log);
   kinds::Log::TrueRobot truth;
   if (!seen.truth_landmark.empty()) truth.landmark = seen.truth_landmark;
@@ -230,7 +243,7 @@ std::optional<Misreading> FindMisreading(double range_m, double bearing_rad, con
   return std::nullopt;
 }
 
-Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* report) {
+Blob MakeLog(LogRows rows, const std::string& source, ImportReport* report) {
   Blob log;
   std::vector<std::string> names;
   for (std::size_t n = 0; n < rows.robots.size(); ++n) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <new>
 #include <optional>
 #include <string>
 #include <vector>
@@ -83,13 +84,28 @@ struct Poses {
   void Add(double time, double x, double y, double heading, std::size_t line);
   void RemoveLast();
 };
+// Aligned as arrays are, and so made one without a copy.
+template <class T>
+struct ArrayAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kAlignment{64};
+  ArrayAllocator() = default;
+  template <class U>
+  explicit ArrayAllocator(const ArrayAllocator<U>&) {}
+  T* allocate(std::size_t count) { return static_cast<T*>(::operator new(count * sizeof(T), kAlignment)); }
+  void deallocate(T* data, std::size_t) { ::operator delete(data, kAlignment); }
+  friend bool operator==(const ArrayAllocator&, const ArrayAllocator&) { return true; }
+};
+using RangeValues = std::vector<double, ArrayAllocator<double>>;
+
 // A range sensor on its robot, and its scans.
 struct RangeRows {
   std::string sensor;  // "laser", "laser2", "sonar"
   std::vector<double> beam_x_m, beam_y_m, beam_heading_rad;
   double opening_rad = 0, max_range_m = 0;
-  std::vector<double> time_s, range_m;  // range_m: a row of all beams for each scan
-  std::vector<float> intensity;         // the same; empty: the sensor does not say
+  std::vector<double> time_s;
+  RangeValues range_m;           // a row of all beams for each scan
+  std::vector<float> intensity;  // the same; empty: the sensor does not say
 };
 struct RobotRows {
   std::string name;
@@ -148,7 +164,7 @@ void DoubtPosesOf(const Poses& poses, const std::string& who, const std::string&
 // about units, and its warnings: nothing was observed, holes in the odometry (schema/kinds/odometry_holes.h),
 // doubts about observations (common/observation_doubts.h).
 // Throws InputError for a log without controls.
-Blob MakeLog(const LogRows& rows, const std::string& source, ImportReport* report);
+Blob MakeLog(LogRows rows, const std::string& source, ImportReport* report);
 
 // Wraps into (-pi, pi]; a value that lies there stays as it is to the bit.
 double NormalizedAngle(double angle_rad);

@@ -185,6 +185,27 @@ void AppendTrailer(std::size_t end, FileImage* image) {
   image->size = end + kTrailerBytes;
 }
 
+// All chunks of an array are stored whole, also those at its end.
+std::size_t StoredBytes(const Array& array) {
+  const Shape& shape = array.shape();
+  const Shape chunks = ChunksOf(shape, array.item_bytes());
+  std::size_t bytes = array.item_bytes();
+  for (std::size_t i = 0; i < shape.size(); ++i)
+    if (shape[i] > 0) bytes *= static_cast<std::size_t>((shape[i] + chunks[i] - 1) / chunks[i] * chunks[i]);
+  return array.size() == 0 ? 0 : bytes;
+}
+
+// Where it takes more the image is copied, to twice the place.
+std::size_t ExpectedBytes(const Blob& blob) {
+  constexpr std::size_t kHeaders = 4096, kOfChunk = 64, kChunk = 1 << 18;
+  std::size_t bytes = 1 << 16;
+  for (const auto& [name, array] : blob.fields()) {
+    const std::size_t stored = StoredBytes(array);
+    bytes += stored + stored / kChunk * kOfChunk + kHeaders;
+  }
+  return bytes;
+}
+
 }  // namespace
 
 Result<FileImage> EncodeBlob(const std::string& kind, const Blob& blob) {
@@ -195,8 +216,7 @@ Result<FileImage> EncodeBlob(const std::string& kind, const Blob& blob) {
   }
   const GroupSizes sizes = SizesOf(blob);
   FileImage image;
-  const std::size_t expected = blob.ByteCount() + blob.fields().size() * 4096 + (std::size_t{1} << 16);
-  Handle file = CreateInMemory(expected, sizes.at(""), &image);
+  Handle file = CreateInMemory(ExpectedBytes(blob), sizes.at(""), &image);
   if (!file.ok()) return Failed("cannot begin");
   const std::int64_t format = kFormatVersion, trailer = 1;
   if (!PutAttribute(file.get(), "cairn_format", H5T_STD_I64LE, &format) ||

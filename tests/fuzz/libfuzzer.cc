@@ -1,7 +1,13 @@
-// What libFuzzer calls. CAIRN_FUZZ_TARGET: the name of one of targets.h.
+// What libFuzzer calls. CAIRN_FUZZ_TARGET: one of targets.h.
+//
+//   fuzz_TARGET --seeds FOLDER     # writes the good inputs that long runs start from
 #include <google/protobuf/stubs/logging.h>
 
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
 
 #include "schema/error.h"
 #include "tests/fuzz/targets.h"
@@ -9,18 +15,26 @@
 namespace {
 
 const cairn::fuzz::Target& Chosen() {
-  static const cairn::fuzz::Target chosen = [] {
-    for (const cairn::fuzz::Target& target : cairn::fuzz::AllTargets())
-      if (target.name == CAIRN_FUZZ_TARGET) return target;
-    std::abort();
-  }();
+  static const cairn::fuzz::Target chosen = cairn::fuzz::CAIRN_FUZZ_TARGET();
   return chosen;
+}
+
+void WriteSeeds(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  int number = 0;
+  for (const cairn::fuzz::Bytes& seed : Chosen().seeds())
+    std::ofstream(folder / ("seed" + std::to_string(number++)), std::ios::binary)
+        .write(reinterpret_cast<const char*>(seed.data()), static_cast<std::streamsize>(seed.size()));
 }
 
 }  // namespace
 
-extern "C" int LLVMFuzzerInitialize(int*, char***) {
+extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   google::protobuf::SetLogHandler(nullptr);  // it complains of each text that is no UTF-8
+  if (*argc == 3 && std::string_view((*argv)[1]) == "--seeds") {
+    WriteSeeds((*argv)[2]);
+    std::exit(0);
+  }
   return 0;
 }
 

@@ -199,7 +199,7 @@ ImportReport ImportLegoRobot(const RecordedImportOptions& options, Blob* log) {
   ReadReference(FindFile(options.folder, "robot4_reference.txt"), &bad, times, &robot.truth);
   ReadArena(FindFile(options.folder, "robot_arena_landmarks.txt"), &bad, &rows);
   report.skipped = bad.counts();
-  *log = MakeLog(rows, options.folder, &report);
+  *log = MakeLog(std::move(rows), options.folder, &report);
   return report;
 }
 

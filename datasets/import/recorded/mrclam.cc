@@ -43,7 +43,7 @@ class MrclamImport {
     }
     WarnOfMissingTruth();
     report_.skipped = bad_.counts();
-    *log = MakeLog(rows_, options_.folder, &report_);
+    *log = MakeLog(std::move(rows_), options_.folder, &report_);
     return report_;
   }
 

@@ -116,14 +116,10 @@ Poses PosesOf(const RangeLog& log, std::optional<Pose> RangeEvent::* which) {
   return poses;
 }
 
-void AddScan(const RangeEvent& event, ImportReport* report, RangeRows* sensor) {
+void AddScan(const RangeEvent& event, RangeRows* sensor) {
   CAIRN_DEMAND(event.range_m.size() == sensor->beam_x_m.size(), "a scan of other beams than its sensor's");
   sensor->time_s.push_back(event.stamp_s);
-  for (const double range : event.range_m) {
-    const bool answered = range > 0 && range < sensor->max_range_m;
-    if (!answered) ++report->read["readings of " + sensor->sensor + " without an answer within its reach"];
-    sensor->range_m.push_back(answered ? range : std::numeric_limits<double>::quiet_NaN());
-  }
+  sensor->range_m.insert(sensor->range_m.end(), event.range_m.begin(), event.range_m.end());
   // Of a sensor with some, each reading has one, or NaN.
   if (event.intensity.empty() && sensor->intensity.empty()) return;
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
@@ -132,10 +128,42 @@ void AddScan(const RangeEvent& event, ImportReport* report, RangeRows* sensor) {
   sensor->intensity.resize(sensor->range_m.size(), kNone);
 }
 
+// Of the scans in `values` those alone, in this order. They are most of the memory, and most often all of
+// them as they are.
+template <class Values>
+void KeepRows(const std::vector<std::size_t>& rows, std::size_t beams, Values* values) {
+  const auto copy_to = [&](auto to) {
+    for (const std::size_t row : rows) {
+      const auto from = values->begin() + static_cast<std::ptrdiff_t>(row * beams);
+      to = from == to ? to + static_cast<std::ptrdiff_t>(beams)
+                      : std::copy(from, from + static_cast<std::ptrdiff_t>(beams), to);
+    }
+  };
+  if (std::ranges::is_sorted(rows)) {
+    copy_to(values->begin());
+    values->resize(rows.size() * beams);
+  } else {
+    Values ordered(rows.size() * beams);
+    copy_to(ordered.begin());
+    *values = std::move(ordered);
+  }
+}
+
 // Drivers that know none write zeros.
 void DropConstantIntensities(RangeRows* sensor) {
   const auto differs = [&](float one) { return !std::isnan(one) && one != sensor->intensity.front(); };
   if (std::ranges::none_of(sensor->intensity, differs)) sensor->intensity.clear();
+}
+
+void MarkUnanswered(ImportReport* report, RangeRows* sensor) {
+  std::int64_t unanswered = 0;
+  for (double& range : sensor->range_m) {
+    if (range > 0 && range < sensor->max_range_m) continue;
+    range = std::numeric_limits<double>::quiet_NaN();
+    ++unanswered;
+  }
+  if (unanswered > 0)
+    report->read["readings of " + sensor->sensor + " without an answer within its reach"] += unanswered;
 }
 
 // Puts the events in order, at times that tell them apart.
@@ -157,6 +185,7 @@ void AddSensed(RangeLog* log, double first_s, double last_s, NameIndex* known, I
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   RobotRows& robot = *to;
   NameIndex& names = *known;
+  std::vector<std::vector<std::size_t>> rows(log->sensors.size());  // of each sensor's own
   for (RangeEvent& event : log->events) {
     if (IsPoseAlone(event)) continue;
     if (event.stamp_s < first_s || event.stamp_s > last_s) {
@@ -164,9 +193,14 @@ void AddSensed(RangeLog* log, double first_s, double last_s, NameIndex* known, I
       ++report->dropped[std::string(what) + " outside the odometry's time"];
       continue;
     }
-    if (event.sensor) AddScan(event, report, &log->sensors[*event.sensor]);
-    std::vector<double>().swap(event.range_m);  // the log has it now
-    std::vector<float>().swap(event.intensity);
+    if (event.row) {
+      rows[*event.sensor].push_back(*event.row);
+      log->sensors[*event.sensor].time_s.push_back(event.stamp_s);
+    } else if (event.sensor) {
+      AddScan(event, &log->sensors[*event.sensor]);
+      std::vector<double>().swap(event.range_m);  // the log has it now
+      std::vector<float>().swap(event.intensity);
+    }
     if (event.landmark)
       robot.observations.Add(event.stamp_s,
                              event.landmark->name.empty() ? -1 : names.FindOrAdd(event.landmark->name),
@@ -176,9 +210,17 @@ void AddSensed(RangeLog* log, double first_s, double last_s, NameIndex* known, I
     const std::int32_t landmark = named ? names.FindOrAdd(*event.mark) : -1;
     if (event.mark) robot.observations.Add(event.stamp_s, landmark, kNan, kNan);
   }
-  for (RangeRows& sensor : log->sensors) {
+  for (std::size_t i = 0; i < log->sensors.size(); ++i) {
+    RangeRows& sensor = log->sensors[i];
+    if (sensor.time_s.empty()) continue;
+    if (!rows[i].empty()) {
+      const std::size_t beams = sensor.beam_x_m.size();
+      KeepRows(rows[i], beams, &sensor.range_m);
+      if (!sensor.intensity.empty()) KeepRows(rows[i], beams, &sensor.intensity);
+    }
     DropConstantIntensities(&sensor);
-    if (!sensor.time_s.empty()) robot.ranges.push_back(std::move(sensor));
+    MarkUnanswered(report, &sensor);
+    robot.ranges.push_back(std::move(sensor));
   }
 }
 
@@ -234,7 +276,7 @@ ImportReport MakeRangeLog(std::vector<RangeLog> robots, const NoiseParameters& n
   for (RangeLog& ranges : robots) AddRobot(&ranges, bad, &names, &report, &rows.robots.emplace_back());
   rows.landmarks = names.names();
   report.skipped = bad->counts();
-  *log = MakeLog(rows, robots.front().path, &report);
+  *log = MakeLog(std::move(rows), robots.front().path, &report);
   return report;
 }
 

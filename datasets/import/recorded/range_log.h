@@ -27,9 +27,10 @@ struct RangeEvent {
   std::optional<Pose> odometry;   // where the robot was, as its odometry says
   std::optional<Pose> corrected;  // where it was, as the log's maker found out
   std::optional<Pose> truth;
-  std::optional<std::size_t> sensor;  // of a scan: index into RangeLog::sensors
-  std::vector<double> range_m;
-  std::optional<std::string> mark;  // what a person said of the place: a contact detection
+  std::optional<std::size_t> sensor;     // of a scan: index into RangeLog::sensors
+  std::vector<double> range_m;           // or:
+  std::optional<std::size_t> row = {};   // of its sensor's `range_m`, which has the ranges of all its scans
+  std::optional<std::string> mark = {};  // what a person said of the place: a contact detection
   std::optional<LandmarkSeen> landmark = {};
   std::vector<float> intensity = {};  // of each range, or none
 };

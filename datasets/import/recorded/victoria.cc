@@ -32,7 +32,7 @@ class VictoriaImport {
       ReadTrees(&robot);
     ReadGps(&robot.truth);
     report_.skipped = bad_.counts();
-    *log = MakeLog(rows_, options_.folder, &report_);
+    *log = MakeLog(std::move(rows_), options_.folder, &report_);
     return report_;
   }
 
