@@ -1,6 +1,7 @@
 // `cairn import bag`: bags of ROS 1 (.bag) and ROS 2 (.db3, .mcap), read without ROS.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
@@ -15,6 +16,7 @@ namespace cairn::datasets {
 
 struct BagImportOptions {
   std::vector<std::string> files;  // of one drive, in any order; folders of rosbag2 too
+  std::uint64_t memory_mb = 0;     // that the child that reads them may take (in_child.h); 0: by their size
   bool skip_bad = false;  // skip bad messages and count them by reason, instead of stopping at the first
   NoiseParameters noise;
   // "NAMESPACE,NAMESPACE", of a robot each; empty: where all topics lie in several namespaces these; "none":

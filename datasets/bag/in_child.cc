@@ -13,9 +13,9 @@ namespace {
 
 using store::FileContents;
 
-// What the child's limit is made of: a chunk may unpack to several times its size, and a bag with clouds is
-// read twice.
-store::ChildReader ReaderOfBags(const std::vector<std::string>& paths) {
+// What the child's limits are made of: a chunk may unpack to several times its size, a bag with clouds is
+// read twice, and a log has the ranges in eight bytes that a bag has in four.
+store::ChildReader ReaderOfBags(const std::vector<std::string>& paths, std::uint64_t memory_mb = 0) {
   constexpr std::uint64_t kTimes = 8;
   store::ChildReader reader{"its reader", 1};
   for (const std::string& path : paths)
@@ -24,12 +24,15 @@ store::ChildReader ReaderOfBags(const std::vector<std::string>& paths) {
       const std::uintmax_t size = std::filesystem::file_size(file, unknown);
       reader.bytes += unknown ? 0 : kTimes * size;
     }
+  constexpr std::uint64_t kLeastMemory = std::uint64_t{2} << 30;
+  reader.memory_bytes = memory_mb > 0 ? memory_mb << 20 : kLeastMemory + reader.bytes;
   return reader;
 }
 
-Result<FileContents> Run(const std::vector<std::string>& paths, const std::function<FileContents()>& make) {
+Result<FileContents> Run(const std::string& path, const store::ChildReader& reader,
+                         const std::function<FileContents()>& make) {
   return store::InChild(
-      paths.front(),
+      path,
       [&]() -> Result<FileContents> {
         try {
           return make();
@@ -37,7 +40,7 @@ Result<FileContents> Run(const std::vector<std::string>& paths, const std::funct
           return Status(Code::kRefused, error.what());
         }
       },
-      ReaderOfBags(paths));
+      reader);
 }
 
 // A report's counts and texts, each with what it is: `visit(kind, count, text)`.
@@ -103,7 +106,9 @@ ImportReport ReportOf(const std::vector<std::string>& lines) {
 }  // namespace
 
 Result<ImportReport> ImportBagInChild(const BagImportOptions& options, Blob* log) {
-  Result<FileContents> made = Run(options.files, [&] {
+  store::ChildReader reader = ReaderOfBags(options.files, options.memory_mb);
+  reader.more_memory = " (--max-memory-mb gives it more)";
+  Result<FileContents> made = Run(options.files.front(), reader, [&] {
     FileContents contents;
     const ImportReport report = ImportBag(options, &contents.blob);
     VisitReport(report, Writer{contents.remarks});
@@ -118,7 +123,7 @@ Result<ImportReport> ImportBagInChild(const BagImportOptions& options, Blob* log
 
 Result<std::string> InspectBagInChild(const std::string& path,
                                       const std::function<std::string(const BagInspection&)>& tell) {
-  const Result<FileContents> made = Run({path}, [&] {
+  const Result<FileContents> made = Run(path, ReaderOfBags({path}), [&] {
     constexpr std::size_t kPiece = 1 << 19;  // of a text that a child may hand over
     FileContents contents;
     const std::string text = tell(InspectBag(path));

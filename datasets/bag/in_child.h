@@ -1,4 +1,5 @@
-// Bags of strangers, read in a child process with a limit of processor time (schema/store/guarded.h).
+// Bags of strangers, read in a child process with limits of processor time and memory
+// (schema/store/guarded.h).
 #pragma once
 
 #include <functional>

@@ -45,6 +45,23 @@ TEST_F(BagInChildTest, ARefusalSaysTheSame) {
   EXPECT_TRUE(log.fields().empty());
 }
 
+#ifndef CAIRN_SANITIZED
+TEST_F(BagInChildTest, ABagThatTakesMoreMemoryThanItMayIsRefused) {
+  auto messages = bag::SmallDrive(To::kRos1);
+  messages.push_back({"/blob", "a/Blob", 1010, std::string(std::size_t{64} << 20, 'x'), "uint8[] data\n"});
+  options_.files = {folder_.Put("packed.bag", bag::Ros1Bytes(messages, "lz4", false))};
+  options_.memory_mb = 16;
+  Blob log;
+  const Result<ImportReport> made = ImportBagInChild(options_, &log);
+  ASSERT_FALSE(made.ok());
+  EXPECT_EQ(made.status().code(), Code::kRefused);
+  ExpectContains(made.status().message(), "packed.bag: not read: it takes more than the 16 MB of memory");
+  ExpectContains(made.status().message(), "--max-memory-mb");
+  options_.memory_mb = 0;
+  EXPECT_TRUE(ImportBagInChild(options_, &log).ok());
+}
+#endif
+
 TEST_F(BagInChildTest, ACrashIsAStatusAndALongTextComesWhole) {
   const std::string path = folder_.Put("drive.bag", bag::Ros1Bytes(bag::SmallDrive(To::kRos1)));
   const auto text = InspectBagInChild(
@@ -53,6 +70,12 @@ TEST_F(BagInChildTest, ACrashIsAStatusAndALongTextComesWhole) {
   EXPECT_EQ(text.value().size(), (3U << 20) + 5);
   EXPECT_TRUE(text.value().ends_with("x/odom"));
 #ifndef CAIRN_SANITIZED
+  // Touches none of it.
+  const auto large =
+      InspectBagInChild(path, [](const BagInspection&) { return std::string(std::size_t{4} << 30, 'x'); });
+  ASSERT_FALSE(large.ok());
+  EXPECT_EQ(large.status().code(), Code::kRefused);
+  ExpectContains(large.status().message(), "drive.bag: not read: it takes more than the ");
   const auto crash = InspectBagInChild(path, [](const BagInspection&) {
     std::signal(SIGSEGV, SIG_DFL);
     ::raise(SIGSEGV);

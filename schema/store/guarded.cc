@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <iterator>
 #include <memory>
 #include <mutex>
@@ -61,11 +62,36 @@ void PutContents(FILE* out, const FileContents& contents) {
   }
 }
 
-Result<FileContents> ReadInMemory(const std::filesystem::path& path,
+// Of what is the process's alone and no file's. False where there is no such limit.
+bool LimitMemory(std::uint64_t more_bytes) {
+#ifdef CAIRN_SANITIZED
+  return false;  // the sanitizers take what they take
+#else
+  if (more_bytes == 0) return false;
+  std::uint64_t pages = 0;
+  std::ifstream sizes("/proc/self/statm");
+  constexpr int kDataColumn = 6;
+  for (int i = 0; i < kDataColumn; ++i) sizes >> pages;
+  rlimit limit{};
+  if (!sizes || ::getrlimit(RLIMIT_DATA, &limit) != 0) return false;
+  limit.rlim_cur =
+      std::min<rlim_t>(limit.rlim_max, pages * static_cast<std::uint64_t>(::getpagesize()) + more_bytes);
+  return ::setrlimit(RLIMIT_DATA, &limit) == 0;
+#endif
+}
+
+Result<FileContents> ReadInMemory(const std::filesystem::path& path, const ChildReader& reader,
                                   const std::function<Result<FileContents>()>& read) {
+  const bool is_limited = LimitMemory(reader.memory_bytes);
   try {
     return read();
   } catch (const std::bad_alloc&) {
+    if (is_limited)
+      return Status(Code::kRefused, path.string() + ": not read: it takes more than the " +
+                                        std::to_string(reader.memory_bytes >> 20) +
+                                        " MB of memory that reading it may take: it is damaged, made so, or "
+                                        "unpacks to very much" +
+                                        reader.more_memory);
     return Status(Code::kIo, path.string() + ": there is not the memory to read it");
   }
 }
@@ -265,7 +291,7 @@ Result<FileContents> InChild(const std::filesystem::path& path,
   Result<Started> started = Start(
       path,
       [&](FILE* out) {
-        PutResult(out, ReadInMemory(path, read));
+        PutResult(out, ReadInMemory(path, reader, read));
         return true;
       },
       reader);

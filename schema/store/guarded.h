@@ -31,12 +31,14 @@ struct FileContents {
 // Who reads, for people, and how much there is to read: a second of the processor's time for each 4 MB.
 struct ChildReader {
   std::string name = "HDF5";
-  std::uint64_t bytes = 0;  // 0: the file's
+  std::uint64_t bytes = 0;         // 0: the file's
+  std::uint64_t memory_bytes = 0;  // that the child may take beside what its parent has; 0: no limit
+  std::string more_memory = {};    // for people: how to give it more, as a sentence's end
 };
 
 // Runs `read` in a child, and brings back what it gives. kCorrupt names the file where the reader crashes,
-// kRefused where it computes for longer than a file of this size may take; kIo where somebody ends it, as the
-// system does for want of memory.
+// kRefused where it computes for longer than a file of this size may take, or wants more memory; kIo where
+// somebody ends it, as the system does for want of memory.
 Result<FileContents> InChild(const std::filesystem::path& path,
                              const std::function<Result<FileContents>()>& read,
                              const ChildReader& reader = {});

@@ -67,14 +67,37 @@ Outcome RunBagFile(const std::string& path, std::uint8_t flags) {
   return Outcome::kAccepted;
 }
 
+// Channels with messages of their own, in the order of their numbers, and of none that is not wanted.
+Outcome RunContainerFile(const std::string& path, std::uint8_t flags) {
+  try {
+    const auto container = bag::OpenContainer(path);
+    std::vector<bool> wanted;
+    for (std::size_t i = 0; i < container->channels().size(); ++i)
+      wanted.push_back((flags >> i % 8 & 1) != 0);
+    std::vector<std::uint64_t> taken(wanted.size(), 0);
+    std::uint8_t sum = 0;
+    const auto take = [&](const bag::Message& message) {
+      CAIRN_DEMAND(message.channel < wanted.size() && wanted[message.channel], "a message nobody wants");
+      CAIRN_DEMAND(message.number == ++taken[message.channel], "a message of another number");
+      for (const std::byte byte : message.bytes) sum ^= std::to_integer<std::uint8_t>(byte);
+    };
+    std::string broken;
+    container->Read(wanted, take, [&](const std::string& what) { broken = what; });
+    return sum == 0 || !broken.empty() ? Outcome::kRefused : Outcome::kAccepted;
+  } catch (const InputError&) {
+    return Outcome::kRefused;
+  }
+}
+
 // SQLite wants a path that is there when links in it have been followed.
-Outcome RunBag(std::span<const std::uint8_t> bytes) {
+template <Outcome (*Run)(const std::string&, std::uint8_t)>
+Outcome RunFile(std::span<const std::uint8_t> bytes) {
   if (bytes.empty()) return Outcome::kRefused;
   const std::string_view file = AsText(bytes.subspan(1));
-  if (!file.starts_with("SQLite")) return RunBagFile(MemoryFile(file).path(), bytes[0]);
+  if (!file.starts_with("SQLite")) return Run(MemoryFile(file).path(), bytes[0]);
   const ScratchFolder folder;
   folder.Put("a.db3", file);
-  return RunBagFile(folder.path() / "a.db3", bytes[0]);
+  return Run(folder.path() / "a.db3", bytes[0]);
 }
 
 std::vector<bag::BagMessage> Drive(bag::Encoder::To to) {
@@ -103,35 +126,69 @@ std::vector<bag::BagMessage> Drive(bag::Encoder::To to) {
   return messages;
 }
 
-std::vector<Bytes> BagSeeds() {
-  using To = bag::Encoder::To;
-  std::vector<std::string> files;
-  for (const char* how : {"none", "lz4", "bz2"}) files.push_back(bag::Ros1Bytes(Drive(To::kRos1), how));
-  files.push_back(bag::Ros1Bytes(Drive(To::kRos1), "none", false));
-  std::vector<bag::BagMessage> two;  // robots, by their namespaces
-  for (const char* robot : {"/a", "/b"})
-    for (bag::BagMessage message : Drive(To::kRos1)) {
-      message.topic = robot + message.topic;
-      two.push_back(std::move(message));
-    }
-  files.push_back(bag::Ros1Bytes(two));
-  for (const char* how : {"", "lz4", "zstd"}) files.push_back(bag::McapBytes(Drive(To::kCdr), how));
-  files.push_back(bag::McapBytes(Drive(To::kBigCdr), "", bag::McapForm::kWithoutIndex));
-  files.push_back(bag::McapBytes(Drive(To::kCdr), "", bag::McapForm::kWithoutChunks));
+// Of those topics alone: a run takes as long as its file.
+std::vector<bag::BagMessage> DriveOf(bag::Encoder::To to, const std::string& topics) {
+  std::vector<bag::BagMessage> messages = Drive(to);
+  std::erase_if(messages, [&](const auto& one) { return topics.find(one.topic) == std::string::npos; });
+  return messages;
+}
+
+std::string SqliteBytes(const std::vector<bag::BagMessage>& messages, bool has_definitions) {
   const ScratchFolder folder;
-  for (const bool has_definitions : {false, true}) {
-    const std::string path = folder.path() / (has_definitions ? "new.db3" : "old.db3");
-    bag::WriteSqliteBag(path, Drive(To::kCdr), has_definitions);
-    std::ifstream in(path, std::ios::binary);
-    files.emplace_back(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-  }
+  const std::string path = folder.path() / "a.db3";
+  bag::WriteSqliteBag(path, messages, has_definitions);
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+std::vector<Bytes> ContainerSeeds() {
+  using To = bag::Encoder::To;
+  const auto ros1 = DriveOf(To::kRos1, "/odom /fix"), cdr = DriveOf(To::kCdr, "/odom /fix");
+  std::vector<std::string> files;
+  for (const char* how : {"none", "lz4", "bz2"}) files.push_back(bag::Ros1Bytes(ros1, how));
+  files.push_back(bag::Ros1Bytes(ros1, "none", false));
+  for (const char* how : {"", "lz4", "zstd"}) files.push_back(bag::McapBytes(cdr, how));
+  for (const auto form : {bag::McapForm::kWithoutIndex, bag::McapForm::kWithoutChunks})
+    files.push_back(bag::McapBytes(cdr, "", form));
+  files.push_back(SqliteBytes(cdr, true));
   std::vector<Bytes> seeds;
   for (const std::string& file : files)
-    for (const int flags : {0, kSkipBadMessages | kInspect, 0 + kByReceipt, 0 + kLandmarks, 0 + kWheels,
-                            0 + kTruth, 0 + kCloud}) {
+    for (const int flags : {255, 1, 2}) {
       seeds.emplace_back(file.begin(), file.end());
       seeds.back().insert(seeds.back().begin(), static_cast<std::uint8_t>(flags));
     }
+  return seeds;
+}
+
+std::vector<Bytes> BagSeeds() {
+  using To = bag::Encoder::To;
+  std::vector<Bytes> seeds;
+  for (const auto& [flags, topics] : {std::pair{0, "/odom /scan /tf"},
+                                      {kSkipBadMessages | kInspect, "/odom /scan /tf"},
+                                      {0 + kByReceipt, "/odom /scan /tf"},
+                                      {0 + kLandmarks, "/odom /scan /tags /tf"},
+                                      {0 + kWheels, "/joints /imu /tf"},
+                                      {0 + kTruth, "/odom /fix /tf"},
+                                      {0 + kCloud, "/odom /points /tf"}}) {
+    const auto add = [&seeds, flag = flags](const std::string& file) {
+      seeds.emplace_back(file.begin(), file.end());
+      seeds.back().insert(seeds.back().begin(), static_cast<std::uint8_t>(flag));
+    };
+    const auto ros1 = DriveOf(To::kRos1, topics), cdr = DriveOf(To::kCdr, topics);
+    for (const char* how : {"none", "lz4", "bz2"}) add(bag::Ros1Bytes(ros1, how));
+    add(bag::Ros1Bytes(ros1, "none", false));
+    std::vector<bag::BagMessage> two;  // robots, by their namespaces
+    for (const char* robot : {"/a", "/b"})
+      for (bag::BagMessage message : ros1) {
+        message.topic = robot + message.topic;
+        two.push_back(std::move(message));
+      }
+    add(bag::Ros1Bytes(two));
+    for (const char* how : {"", "lz4", "zstd"}) add(bag::McapBytes(cdr, how));
+    add(bag::McapBytes(DriveOf(To::kBigCdr, topics), "", bag::McapForm::kWithoutIndex));
+    add(bag::McapBytes(cdr, "", bag::McapForm::kWithoutChunks));
+    for (const bool has_definitions : {false, true}) add(SqliteBytes(cdr, has_definitions));
+  }
   return seeds;
 }
 
@@ -173,7 +230,8 @@ std::vector<Bytes> BagMessageSeeds() {
 
 }  // namespace
 
-Target BagTarget() { return {"bag", RunBag, BagSeeds, 2000}; }
+Target BagTarget() { return {"bag", RunFile<RunBagFile>, BagSeeds, 2000}; }
+Target BagContainerTarget() { return {"bag_container", RunFile<RunContainerFile>, ContainerSeeds, 20'000}; }
 Target BagMessageTarget() { return {"bag_message", RunBagMessage, BagMessageSeeds, 4000}; }
 
 }  // namespace cairn::fuzz

@@ -35,6 +35,8 @@ Target CarmenTarget();
 Target RangesTarget();
 // A bag of any container; the first byte chooses what is skipped and asked for. An accepted log as above.
 Target BagTarget();
+// The same without what is made of its messages; the first byte chooses whose are read.
+Target BagContainerTarget();
 // A definition, after its length in two bytes, and a message of it, in the encoding that the first byte
 // chooses.
 Target BagMessageTarget();

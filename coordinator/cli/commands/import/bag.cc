@@ -81,6 +81,10 @@ void AddBagImport(Command import, Invocation& call) {
   command.Add("--until", bag.until_s, "Leave out what was after so many seconds").NotNegative();
   command.AddFlag("--by-receipt", bag.by_receipt,
                   "Times are those at which the recorder had a message, not those of its header");
+  command
+      .Add("--max-memory-mb", bag.memory_mb,
+           "What reading may take of memory (else 2048, and 8 times the files)")
+      .Within(std::uint64_t{1}, std::uint64_t{1} << 30);
   AddOdometryNoise(command, bag.noise);
   AddSensorNoise(command, bag.noise);
   command.AddFlag("--skip-bad", bag.skip_bad, "Skip bad messages and count them, by reason");
