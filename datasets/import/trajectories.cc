@@ -23,13 +23,29 @@ std::string NameOf(const std::string& path) {
   return name;
 }
 
-// How far the poses leave the plane.
+struct Extent {
+  double low_m = INFINITY, high_m = -INFINITY;
+  void Add(double at_m) {
+    low_m = std::min(low_m, at_m);
+    high_m = std::max(high_m, at_m);
+  }
+  double length_m() const { return std::max(0.0, high_m - low_m); }
+};
+
+// How far the poses leave the plane; and how far they would, were they written as others write them: with the
+// real part of quaternions at the other end, or a camera's axes.
 struct Tilt {
-  double low_m = INFINITY, high_m = -INFINITY, most_rad = 0;
-  void Add(double height_m, double tilt_rad) {
-    low_m = std::min(low_m, height_m);
-    high_m = std::max(high_m, height_m);
+  Extent up, other_up;
+  double most_rad = 0;
+  std::size_t poses = 0, tilted = 0, other_tilted = 0;
+  void Add(double height_m, double tilt_rad, double other_height_m, double other_tilt_rad) {
+    constexpr double kTilted_rad = std::numbers::pi / 6;
+    up.Add(height_m);
+    other_up.Add(other_height_m);
     most_rad = std::max(most_rad, tilt_rad);
+    ++poses;
+    tilted += tilt_rad > kTilted_rad ? 1 : 0;
+    other_tilted += other_tilt_rad > kTilted_rad ? 1 : 0;
   }
 };
 
@@ -50,7 +66,11 @@ double HeadingOf(const Fields& line, bool real_first, Tilt* tilt) {
                y = line.Number(imaginary + 1), z = line.Number(imaginary + 2);
   const double length = std::sqrt(x * x + y * y + z * z + w * w);
   RequireLengthOne(length, "no quaternion");
-  tilt->Add(line.Number(3), 2 * std::asin(std::min(1.0, std::hypot(x, y) / length)));
+  const auto tilt_rad = [length](double a, double b) {
+    return 2 * std::asin(std::min(1.0, std::hypot(a, b) / length));
+  };
+  // What would be x and y, were the real part at the other end.
+  tilt->Add(line.Number(3), tilt_rad(x, y), line.Number(3), real_first ? tilt_rad(w, x) : tilt_rad(y, z));
   return std::atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z);
 }
 
@@ -83,7 +103,9 @@ Row KittiRow(const Fields& line, double time_s, bool camera_axes, Tilt* tilt) {
     RequireLengthOne(std::hypot(at(row, 0), at(row, 1), at(row, 2)), "no rotation");
   const std::size_t ahead = camera_axes ? 2 : 0, aside = camera_axes ? 0 : 1, up = camera_axes ? 1 : 2;
   const double sign = camera_axes ? -1 : 1;
-  tilt->Add(sign * at(up, 3), std::acos(std::clamp(at(up, up), -1.0, 1.0)));
+  const std::size_t other_up = camera_axes ? 2 : 1;
+  const auto tilt_rad = [&](std::size_t axis) { return std::acos(std::clamp(at(axis, axis), -1.0, 1.0)); };
+  tilt->Add(sign * at(up, 3), tilt_rad(up), at(other_up, 3), tilt_rad(other_up));
   return {time_s,
           {line.Place(4 * ahead + 3), sign * line.Place(4 * aside + 3),
            std::atan2(sign * at(aside, ahead), at(ahead, ahead))}};
@@ -134,10 +156,34 @@ class TrajectoryReader {
   BadLines* bad_;
 };
 
+// No robot drives on its side: what is likely wrong with the file then, where another way to read it has
+// none.
+void DoubtTilt(const TrajectoryImportOptions& options, const std::string& path, const Tilt& tilt,
+               ImportReport* report) {
+  constexpr double kSteep = 3, kHigh_m = 1;
+  if (options.format == Format::kKitti) {
+    if (tilt.up.length_m() < kHigh_m || tilt.up.length_m() < kSteep * tilt.other_up.length_m()) return;
+    report->unit_doubts.push_back(
+        path + ": it goes " + std::to_string(tilt.up.length_m()) + " m up and down, and " +
+        std::to_string(tilt.other_up.length_m()) +
+        (options.camera_axes
+             ? " m along its z axis: are its axes a robot's, with z up? Then without --camera-axes"
+             : " m along its y axis: are its axes a camera's? Then with --camera-axes"));
+    return;
+  }
+  if (tilt.poses == 0 || 2 * tilt.tilted < tilt.poses || 2 * tilt.other_tilted >= tilt.poses) return;
+  report->unit_doubts.push_back(
+      path + ": " + std::to_string(tilt.tilted) + " of its " + std::to_string(tilt.poses) +
+      " poses lie on their sides or backs, and would not with the real part of their quaternions " +
+      (options.format == Format::kEuroc
+           ? "last, as TUM's files have it (`import tum`); EuRoC's have it first"
+           : "first, as EuRoC's files have it; TUM's have it last: qx qy qz qw"));
+}
+
 void WarnOfTilt(const std::string& path, const Tilt& tilt, ImportReport* report) {
   constexpr double kHigh_m = 0.5, kTilt_rad = 5 * std::numbers::pi / 180;
-  if (tilt.high_m - tilt.low_m > kHigh_m)
-    report->warnings.push_back(path + ": heights differ by " + std::to_string(tilt.high_m - tilt.low_m) +
+  if (tilt.up.length_m() > kHigh_m)
+    report->warnings.push_back(path + ": heights differ by " + std::to_string(tilt.up.length_m()) +
                                " m; they are forgotten");
   if (tilt.most_rad > kTilt_rad)
     report->warnings.push_back(path + ": poses are tilted by up to " +
@@ -168,6 +214,7 @@ ImportReport ImportTrajectories(const TrajectoryImportOptions& options, Blob* po
     Tilt tilt;
     const Poses rows = reader.Read(n, &tilt);
     DoubtPosesOf(rows, "robot '" + names[n] + "'", "poses", &report);
+    DoubtTilt(options, options.files[n], tilt, &report);
     WarnOfTilt(options.files[n], tilt, &report);
     PutPoses("robot/" + std::to_string(n) + "/poses/", rows, poses);
   }

@@ -1,5 +1,6 @@
 #include "datasets/import/trajectories.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -72,6 +73,25 @@ TEST_F(ImportTrajectoriesTest, WhatWentOutToKittiAndEurocComesBack) {
   }
 }
 
+TEST_F(ImportTrajectoriesTest, QuaternionsWithTheRealPartAtTheOtherEndAreDoubted) {
+  const std::string first = "1 0 0 0 1 0 0 0\n2 1 0 0 0.995 0 0 0.0998\n3 2 0 0 0.98 0 0 0.1987\n";
+  const std::string last = "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0.0998 0.995\n3 2 0 0 0 0 0.1987 0.98\n";
+  const ImportReport doubted = Import(first);
+  ASSERT_FALSE(doubted.unit_doubts.empty());
+  ExpectContains(doubted.unit_doubts.back(), "Rosa.tum: 3 of its 3 poses lie on their sides or backs");
+  ExpectContains(doubted.unit_doubts.back(), "TUM's have it last: qx qy qz qw");
+  EXPECT_TRUE(Import(last).unit_doubts.empty());
+  const auto euroc = [&](std::string text) {
+    std::ranges::replace(text, ' ', ',');
+    TrajectoryImportOptions options{.files = {folder_.Put("a.csv", text)},
+                                    .format = TrajectoryImportOptions::Format::kEuroc};
+    return ImportTrajectories(options, &log_).unit_doubts;
+  };
+  const auto doubts = euroc("1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0.6 0.8\n3 2 0 0 0 0 0.8 0.6\n");
+  ASSERT_FALSE(doubts.empty()) << "a robot that has turned";
+  ExpectContains(doubts.back(), "last, as TUM's files have it (`import tum`)");
+}
+
 // A camera that looks ahead, 1.6 m up, on a robot that goes 5 m ahead and turns to its left.
 TEST_F(ImportTrajectoriesTest, KittisOwnPosesAreACameras) {
   const std::string poses = "1 0 0 0 0 1 0 0 0 0 1 0\n0 0 -1 -2 0 1 0 -0.1 1 0 0 5\n";
@@ -88,6 +108,16 @@ TEST_F(ImportTrajectoriesTest, KittisOwnPosesAreACameras) {
   const ImportReport upright = ImportTrajectories(options, &log_);
   ASSERT_EQ(upright.warnings.size(), 2U);
   ExpectContains(upright.warnings[1], "tilted by up to 90");
+  ASSERT_EQ(upright.unit_doubts.size(), 1U);
+  ExpectContains(upright.unit_doubts[0], "it goes 5.000000 m up and down, and 0.100000 m along its y axis");
+  ExpectContains(upright.unit_doubts[0], "with --camera-axes");
+  // The other way round: a robot that goes 5 m to its left.
+  options.files = {folder_.Put("up.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n0 -1 0 0 1 0 0 5 0 0 1 0\n")};
+  EXPECT_TRUE(ImportTrajectories(options, &log_).unit_doubts.empty());
+  options.camera_axes = true;
+  const ImportReport lying = ImportTrajectories(options, &log_);
+  ASSERT_EQ(lying.unit_doubts.size(), 1U);
+  ExpectContains(lying.unit_doubts[0], "without --camera-axes");
 }
 
 TEST_F(ImportTrajectoriesTest, WhatIsNoPoseOfKittiOrEurocIsNamed) {
