@@ -29,7 +29,7 @@ def told_late():
         # Once the run has its report it ends its page, and waits for that: of which this is to hear though it is late.
         until(lambda: (browser.request('GET', '/jobs/run', headers=mine), browser.getresponse().read()) and
               os.path.exists('late/report.html'), 'late.log')
-        time.sleep(2)
+        time.sleep(1)
         assert run.poll() is None, 'it did not wait for who looks on'
         browser.request('GET', '/events?for=/jobs/run', headers=mine)
         said = browser.getresponse().read().decode()
