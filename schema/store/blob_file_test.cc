@@ -70,6 +70,21 @@ TEST(BlobFile, TheSameBlobGivesTheSameFileBytes) {
   EXPECT_EQ(Bytes(folder / "a.h5"), Bytes(folder / "b.h5"));
 }
 
+// They would differ from one second to the next.
+TEST(BlobFile, NoObjectKeepsTheTimeWhenItWasMade) {
+  Blob blob;
+  for (const char* name : {"x", "robot/0/x", "robot/1/deep/x"}) blob.PutVector<double>(name, {1, 2});
+  const store::FileImage image = store::EncodeBlob("blob", blob).value();
+  const std::string bytes(reinterpret_cast<const char*>(image.bytes().data()), image.bytes().size());
+  const std::string header("OHDR\x02");  // the flags follow
+  constexpr int kTimesStored = 0x20;
+  int objects = 0;
+  for (std::size_t at = bytes.find(header); at != std::string::npos;
+       at = bytes.find(header, at + 1), ++objects)
+    EXPECT_EQ(bytes[at + header.size()] & kTimesStored, 0) << "at " << at;
+  EXPECT_EQ(objects, 8) << "the root, four groups, three arrays";
+}
+
 TEST(BlobFile, ReadsOnlyWhatIsAskedFor) {
   const TempFolder folder;
   Blob blob;

@@ -136,6 +136,7 @@ bool PutGroups(hid_t file, const GroupSizes& sizes) {
   for (const auto& [name, size] : sizes) {
     if (name.empty()) continue;
     const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+    H5Pset_obj_track_times(creation.get(), false);
     KeepLinksInHeader(creation, size);
     const Handle made(H5Gcreate2(file, name.c_str(), links.get(), creation.get(), H5P_DEFAULT), H5Gclose);
     if (!made.ok()) return false;
