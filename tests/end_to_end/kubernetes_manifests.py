@@ -4,6 +4,7 @@ What must hold of all of them together: no container runs as root, may write its
 likes; selectors select, mounts have their volume, `cairn` gets options that it knows. VERSION: of all images that have one.
 """
 
+import pathlib
 import re
 import subprocess
 import sys
@@ -11,6 +12,7 @@ import sys
 import yaml
 
 version, files = sys.argv[1], sys.argv[2:]
+metrics = (pathlib.Path(__file__).parents[2] / "docs" / "monitoring.md").read_text()
 complaints = []
 
 
@@ -111,6 +113,10 @@ def look_at(file, document):
     elif kind == "NetworkPolicy":
         selectors.append((who, spec["podSelector"]["matchLabels"]))
         demand(spec["policyTypes"] == ["Ingress", "Egress"], f"{who}: one way is open")
+    elif kind == "HorizontalPodAutoscaler":
+        for metric in spec["metrics"]:
+            name = metric.get("external", {}).get("metric", {}).get("name")
+            demand(name is None or f"`{name}`" in metrics, f"{who}: nobody shows {name}")
     elif kind == "Role":
         may = {resource: set(rule["verbs"]) for rule in document["rules"] for resource in rule["resources"]}
         demand(may == {"pods": {"create", "list", "delete"}, "secrets": {"create", "delete"}},

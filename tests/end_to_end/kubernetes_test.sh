@@ -36,7 +36,7 @@ if [ "$minor" -lt 21 ]; then
   echo "kubectl 1.$minor is too old for these manifests: not looked at what it makes of them"
   exit 0
 fi
-for folder in . coordinator autoscaled; do
+for folder in . coordinator autoscaled autoscaled-by-work; do
   exits 0 kubectl kustomize "$manifests/$folder"
   cp stdout made.yaml
   exits 0 look made.yaml "$manifests/worker-pod.yaml"
