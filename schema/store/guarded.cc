@@ -63,7 +63,7 @@ void PutContents(FILE* out, const FileContents& contents) {
 }
 
 // Of what is the process's alone and no file's. False where there is no such limit.
-bool LimitMemory(std::uint64_t more_bytes) {
+bool LimitMemory([[maybe_unused]] std::uint64_t more_bytes) {
 #ifdef CAIRN_SANITIZED
   return false;  // the sanitizers take what they take
 #else

@@ -278,9 +278,9 @@ void AddJobs(Command app, Invocation& call) {
       .Excludes(job)
       .Excludes(json);
 
-  options = AddClientCommand(
-      app, call, "results", "Fetches the results of a job, a file a stage, with pictures and a page",
-      "cairn results 1-museum --out museum\n  cairn results 2-hall --so-far", Results, &command);
+  options = AddClientCommand(app, call, "results",
+                             "Fetches the results of a job, a file a stage, with pictures and a page",
+                             "cairn results 1-museum --out museum", Results, &command);
   command.Add("JOB", options->jobs, "Ids; of several each goes into a folder of its own");
   command.Add("--name", options->choice.name, "All that are done whose name matches this pattern");
   const Argument so_far = command.AddFlag(
