@@ -266,9 +266,10 @@ void Site::AnswerJob(const std::string& job, const std::string& what, const Repl
   LookUnlessOver(job, [self = shared_from_this(), job, what, reply] {
     if (what.empty()) return reply->Send(self->PageOf({.kind = View::Kind::kJob, .job = job}));
     const FactsPtr facts = self->source_->Latest();
-    if (facts->Find(job) == nullptr) return reply->Send(NotHere());
-    if (what == "/so-far") return self->AnswerSoFar(job, reply);
-    if (what != "/log.txt") return self->AnswerFile(job, what, reply);
+    const wire::JobInfo* info = facts->Find(job);
+    if (info == nullptr) return reply->Send(NotHere());
+    if (what == "/so-far") return self->AnswerSoFar(*info, reply);
+    if (what != "/log.txt") return self->AnswerFile(*info, what, reply);
     std::string text;
     if (const HistoryPtr history = self->source_->HistoryOf(job))
       for (const wire::LogLine& line : history->lines())
@@ -304,40 +305,41 @@ void Site::AnswerComparison(const HttpRequest& request, const Reply& reply) {
 }
 
 // What is shown is the one that is there, whatever version a page asks for.
-void Site::AnswerSoFar(const std::string& job, const Reply& reply) {
-  const auto so_far = source_->SoFar(job, source_->Latest()->Find(job)->so_far());
+void Site::AnswerSoFar(const wire::JobInfo& job, const Reply& reply) {
+  const auto so_far = source_->SoFar(job.id(), job.so_far());
   if (!so_far || !so_far->files.has_report)
     return reply->Send(Sentence(404, "No map yet", "<p>There is no map of this job to see yet.</p>"));
   reply->Send(WithHeaders({.type = kHtml, .file = so_far->folder / "report.html"}, kFramedReportPolicy));
 }
 
-void Site::AnswerFile(const std::string& job, const std::string& what, const Reply& reply) {
+void Site::AnswerFile(const wire::JobInfo& job, const std::string& what, const Reply& reply) {
   const bool picture = what == "/picture", report = what == "/report";
   const std::string files = "/files/";
   if (!picture && !report && !what.starts_with(files)) return reply->Send(NotHere());
-  const std::uint32_t stages = StagesDone(*source_->Latest()->Find(job));
   const std::string file = what.starts_with(files) ? what.substr(files.size()) : "";
-  source_->FetchResults(job, stages, [picture, report, file, reply](const FetchedResults& fetched) {
-    if (picture) {
-      if (!fetched.trouble.empty() || fetched.picture.empty())
-        return reply->Send(
-            SentenceAsPicture(fetched.trouble.empty() ? "This result has no picture." : fetched.trouble));
-      return reply->Send(WithHeaders({.type = "image/png", .file = fetched.folder / fetched.picture}));
-    }
-    if (!fetched.trouble.empty())
-      return reply->Send(Sentence(404, "No result", "<p>" + Text(fetched.trouble) + "</p>"));
-    if (report && fetched.files.has_report)
-      return reply->Send(WithHeaders({.type = kHtml, .file = fetched.folder / "report.html"}, kReportPolicy));
-    for (const std::string& stage : fetched.files.stages) {
-      if (file != stage + ".h5") continue;
-      HttpAnswer answer{.type = "application/x-hdf5", .file = fetched.folder / file};
-      answer.headers.emplace_back("Content-Disposition",
-                                  "attachment; filename=\"" + UrlPart(stage) + ".h5\"");
-      return reply->Send(WithHeaders(std::move(answer)));
-    }
-    reply->Send(report ? Sentence(404, "No report", "<p>Results of this kind have no report.</p>")
-                       : NotHere());
-  });
+  source_->FetchResults(
+      job.id(), StagesDone(job), [picture, report, file, reply](const FetchedResults& fetched) {
+        if (picture) {
+          if (!fetched.trouble.empty() || fetched.picture.empty())
+            return reply->Send(
+                SentenceAsPicture(fetched.trouble.empty() ? "This result has no picture." : fetched.trouble));
+          return reply->Send(WithHeaders({.type = "image/png", .file = fetched.folder / fetched.picture}));
+        }
+        if (!fetched.trouble.empty())
+          return reply->Send(Sentence(404, "No result", "<p>" + Text(fetched.trouble) + "</p>"));
+        if (report && fetched.files.has_report)
+          return reply->Send(
+              WithHeaders({.type = kHtml, .file = fetched.folder / "report.html"}, kReportPolicy));
+        for (const std::string& stage : fetched.files.stages) {
+          if (file != stage + ".h5") continue;
+          HttpAnswer answer{.type = "application/x-hdf5", .file = fetched.folder / file};
+          answer.headers.emplace_back("Content-Disposition",
+                                      "attachment; filename=\"" + UrlPart(stage) + ".h5\"");
+          return reply->Send(WithHeaders(std::move(answer)));
+        }
+        reply->Send(report ? Sentence(404, "No report", "<p>Results of this kind have no report.</p>")
+                           : NotHere());
+      });
 }
 
 void Site::AnswerPost(const HttpRequest& request, const Reply& reply) {

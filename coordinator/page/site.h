@@ -49,8 +49,8 @@ class Site : public std::enable_shared_from_this<Site> {
   void AnswerGet(const coordinator::HttpRequest& request, const Reply& reply);
   void AnswerJob(const std::string& job, const std::string& what, const Reply& reply);
   void AnswerComparison(const coordinator::HttpRequest& request, const Reply& reply);
-  void AnswerSoFar(const std::string& job, const Reply& reply);
-  void AnswerFile(const std::string& job, const std::string& what, const Reply& reply);
+  void AnswerSoFar(const wire::JobInfo& job, const Reply& reply);
+  void AnswerFile(const wire::JobInfo& job, const std::string& what, const Reply& reply);
   void AnswerPost(const coordinator::HttpRequest& request, const Reply& reply);
   void AnswerStart(const coordinator::HttpRequest& request, const Reply& reply);
   void AnswerEvents(const coordinator::HttpRequest& request, const Reply& reply);

@@ -108,6 +108,9 @@ class InfoReader : public TopicReader {
     if ((!is_known && !rectified) || distortion.size() > camera.distortion.size())
       throw LineError{"a camera whose distortion is not known", Printable(model, 40)};
     std::ranges::copy(distortion, camera.distortion.begin());
+    const auto finite = [](double value) { return std::isfinite(value); };
+    if (!std::ranges::all_of(matrix, finite) || !std::ranges::all_of(distortion, finite))
+      throw LineError{"no camera", "its numbers are not finite; --camera says what it is like"};
     camera_.camera_ = camera;
   }
 

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <span>
 #include <string>
+
+#include "schema/geometry.h"
 
 namespace cairn::datasets {
 namespace {
@@ -75,6 +78,13 @@ Verdict::Doubt OfRangeOffsets(const kinds::LandmarkMap& map, Verdict* verdict) {
                       std::abs(furthest_m), furthest_m > 0 ? "long" : "short")};
 }
 
+// What an option of the import takes off, of all robots together: of one among several it is none.
+std::string Option(const kinds::LandmarkMap& map, const std::string& option) {
+  if (map.robot.size() > 1)
+    return " An option of the import is of all robots: put right the rows of this one";
+  return " `cairn import csv " + option + "` takes that off (added to what it was told before)";
+}
+
 // The map hardly suffers, but the robot was not there when the path says so.
 Verdict::Doubt OfClocks(const kinds::LandmarkMap& map, Verdict* verdict) {
   std::size_t furthest = 0;
@@ -87,32 +97,48 @@ Verdict::Doubt OfClocks(const kinds::LandmarkMap& map, Verdict* verdict) {
   if (late_s == 0) return {Confidence::kHigh};
   verdict->numbers.emplace_back("observations_late_s", late_s);
   constexpr double kFar_m = 0.1;
-  const bool far = std::abs(late_s) * MeanSpeed_mps(map.robot[furthest].poses) > kFar_m;
-  return {far ? Confidence::kFair : Confidence::kHigh,
+  if (std::abs(late_s) * MeanSpeed_mps(map.robot[furthest].poses) <= kFar_m) return {Confidence::kHigh};
+  return {Confidence::kFair,
           fmt::format("the observations of {} fit better some {:.2g} s {}: are its sensor's clock and its "
-                      "odometry's the same? Where it is the sensor's that is off, `cairn import csv "
-                      "--sensor-late-s={:.2g}` takes that off",
-                      map.robots[furthest], std::abs(late_s), late_s > 0 ? "earlier" : "later", late_s)};
+                      "odometry's the same? Where it is the sensor's that is off,{}",
+                      map.robots[furthest], std::abs(late_s), late_s > 0 ? "earlier" : "later",
+                      Option(map, fmt::format("--sensor-late-s={:.2g}", late_s)))};
 }
 
-// A sensor that is turned on its robot bends the map.
-Verdict::Doubt OfTurnedSensors(const kinds::LandmarkMap& map, Verdict* verdict) {
+// A sensor that sits elsewhere than it is taken to, or is turned, bends the map.
+Verdict::Doubt OfMounts(const kinds::LandmarkMap& map, Verdict* verdict) {
+  constexpr double kDegree_rad = std::numbers::pi / 180, kFar_rad = 2 * kDegree_rad, kFar_m = 0.1;
   std::size_t furthest = 0;
-  double turned_rad = 0;
+  Pose mount;
+  double most = 0;
   for (std::size_t r = 0; r < map.robot.size(); ++r) {
-    if (std::abs(map.robot[r].bearings_turned_rad.Or(0)) <= std::abs(turned_rad)) continue;
-    turned_rad = map.robot[r].bearings_turned_rad.Or(0);
+    const kinds::LandmarkMap::Robot& of = map.robot[r];
+    const Pose at{of.sensor_x_m.Or(0), of.sensor_y_m.Or(0), -of.bearings_turned_rad.Or(0)};
+    const double far = std::max(std::hypot(at.x_m, at.y_m) / kFar_m, std::abs(at.heading_rad) / kFar_rad);
+    if (far <= most) continue;
+    most = far;
+    mount = at;
     furthest = r;
   }
-  if (turned_rad == 0) return {Confidence::kHigh};
-  constexpr double kDegree_rad = std::numbers::pi / 180, kFar_rad = 2 * kDegree_rad;
-  verdict->numbers.emplace_back("bearings_turned_rad", turned_rad);
-  return {
-      std::abs(turned_rad) > kFar_rad ? Confidence::kFair : Confidence::kHigh,
-      fmt::format("the bearings of {} fit better some {:.2g} degrees {}: is its sensor turned on the robot? "
-                  "`cairn import csv --sensor-mount=0,0,{:.2g}` says so",
-                  map.robots[furthest], std::abs(turned_rad) / kDegree_rad,
-                  turned_rad > 0 ? "smaller" : "larger", -turned_rad / kDegree_rad)};
+  if (most == 0) return {Confidence::kHigh};
+  verdict->numbers.emplace_back("bearings_turned_rad", -mount.heading_rad);
+  verdict->numbers.emplace_back("sensor_x_m", mount.x_m);
+  verdict->numbers.emplace_back("sensor_y_m", mount.y_m);
+  if (most <= 1) return {Confidence::kHigh};
+  const double degrees = mount.heading_rad / kDegree_rad;
+  const std::string what =
+      mount.x_m == 0 && mount.y_m == 0
+          ? fmt::format(
+                "the bearings of {} fit better some {:.2g} degrees {}: is its sensor turned on the robot?",
+                map.robots[furthest], std::abs(degrees), degrees > 0 ? "larger" : "smaller")
+          : fmt::format(
+                "the observations of {} fit better from a sensor that sits {:.2f} m {} and {:.2f} m to the "
+                "{} "
+                "of where the robot turns about, turned by {:.1f} degrees: does it?",
+                map.robots[furthest], std::abs(mount.x_m), mount.x_m < 0 ? "behind" : "ahead",
+                std::abs(mount.y_m), mount.y_m < 0 ? "right" : "left", degrees);
+  return {Confidence::kFair, what + Option(map, fmt::format("--sensor-mount={:.2f},{:.2f},{:.2g}", mount.x_m,
+                                                            mount.y_m, degrees))};
 }
 
 // Turns the observations tell well, whatever odometry says: MRCLAM's robots turn three quarters as far as

@@ -11,6 +11,6 @@ Verdict::Doubt OfDistances(const kinds::LandmarkMap& map, Verdict* verdict);
 Verdict::Doubt OfTurns(const kinds::LandmarkMap& map, Verdict* verdict);
 Verdict::Doubt OfRangeOffsets(const kinds::LandmarkMap& map, Verdict* verdict);
 Verdict::Doubt OfClocks(const kinds::LandmarkMap& map, Verdict* verdict);
-Verdict::Doubt OfTurnedSensors(const kinds::LandmarkMap& map, Verdict* verdict);
+Verdict::Doubt OfMounts(const kinds::LandmarkMap& map, Verdict* verdict);
 
 }  // namespace cairn::datasets

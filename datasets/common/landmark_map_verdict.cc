@@ -341,8 +341,8 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, const SeenO
         WhereStartsDisagree(map, OfRun(fit)), WhereStartsDisagree(map, OfJumps(map)), OfHalves(fit),
         OfLandmarksOnOneSide(map, verdict), OfFewInCommon(map, verdict), OfHoles(map, verdict),
         OfPlaces(map, verdict), OfOneSided(map, verdict), OfUncertainty(map, verdict),
-        OfDistances(map, verdict), OfTurns(map, verdict), OfClocks(map, verdict),
-        OfTurnedSensors(map, verdict), OfRangeOffsets(map, verdict)}) {
+        OfDistances(map, verdict), OfTurns(map, verdict), OfClocks(map, verdict), OfMounts(map, verdict),
+        OfRangeOffsets(map, verdict)}) {
     verdict->Add(doubt);
   }
 }

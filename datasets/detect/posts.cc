@@ -279,6 +279,8 @@ void Brightness::Finish() {
       const double middle = bin[bin.size() / 2];
       const double often = bin[static_cast<std::size_t>(kOften * static_cast<double>(bin.size() - 1))];
       before = std::max({middle + kSpreads * (often - middle), kTimes * middle, kOfTop * top});
+      if (!(before > 0))
+        before = std::numeric_limits<double>::infinity();  // drivers that know none write zeros
     }
     least_.push_back(before);
     std::vector<float>().swap(bin);

@@ -100,6 +100,7 @@ class Tracks {
       : options_(options), forget_s_(std::max(kForget_s, kForget_scans * scan_s)) {}
 
   void Add(const OdometryPath::Place& place, std::vector<Sighting> scan) {
+    ++scan_;
     std::erase_if(open_, [&](std::size_t t) { return scan.front().time_s > tracks_[t].last_s + forget_s_; });
     for (Sighting& sighting : scan) {
       const double range_m = std::hypot(sighting.on_robot.x_m, sighting.on_robot.y_m);
@@ -132,6 +133,7 @@ class Tracks {
     Point at;
     double first_s = 0, last_s = 0;
     int scans = 1;
+    std::size_t last_scan = 0;
     OdometryPath::Place kept_from = {};  // the last sighting that does not repeat, and where it was
     Point kept_at = {};
   };
@@ -147,26 +149,29 @@ class Tracks {
     std::size_t nearest = tracks_.size();
     for (const std::size_t t : open_) {
       const double away_m = DistanceM(tracks_[t].at, at);
-      if (away_m > gate_m || (tracks_[t].last_s == time_s && tracks_[t].scans > 0)) continue;
+      if (away_m > gate_m || tracks_[t].last_scan == scan_) continue;
       gate_m = away_m;
       nearest = t;
     }
     if (nearest == tracks_.size()) {
       open_.push_back(nearest);
-      tracks_.push_back({at, time_s, time_s});
+      tracks_.push_back({at, time_s, time_s, 1, scan_});
       return nearest;
     }
     Track& track = tracks_[nearest];
     const double share = 1 - std::exp(-(time_s - track.last_s) / kFollow_s);
     track.at = {track.at.x_m + share * (at.x_m - track.at.x_m),
                 track.at.y_m + share * (at.y_m - track.at.y_m)};
+    // Another laser that sees it at the same time is no scan more.
+    if (track.last_s < time_s) ++track.scans;
     track.last_s = time_s;
-    ++track.scans;
+    track.last_scan = scan_;
     return nearest;
   }
 
   const ScanLandmarkOptions& options_;
   double forget_s_;
+  std::size_t scan_ = 0;  // the one that is looked at, by number from 1
   std::vector<Track> tracks_;
   std::vector<std::size_t> open_;
   std::vector<Sighting> sightings_;

@@ -129,6 +129,7 @@ void DoubtUnits(const RobotRows& robot, bool range_is_known, ImportReport* repor
 }  // namespace
 
 void LandmarkSensor::ToRobotFrame(double* range_m, double* bearing_rad) const {
+  if (mount.x_m == 0 && mount.y_m == 0 && mount.heading_rad == 0) return;  // to the bit
   if (mount.x_m == 0 && mount.y_m == 0) {
     *bearing_rad += mount.heading_rad;
     return;

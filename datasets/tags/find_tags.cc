@@ -8,6 +8,7 @@
 #include <apriltag/tagStandard41h12.h>
 #include <apriltag/tagStandard52h13.h>
 
+#include <algorithm>
 #include <charconv>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -71,6 +72,8 @@ TagDetector::~TagDetector() {
 
 std::vector<TagInImage> TagDetector::Find(const cv::Mat& grey) const {
   constexpr double kLeastMargin = 25, kHalf = 0.5;  // the library's pixels begin at whole numbers
+  constexpr int kLeastSide = 8;                     // of smaller ones the library reads beyond the end
+  if (std::min(grey.cols, grey.rows) < kLeastSide) return {};
   image_u8_t image{grey.cols, grey.rows, static_cast<int>(grey.step), grey.data};
   zarray_t* found = apriltag_detector_detect(library_->detector, &image);
   std::vector<TagInImage> tags;

@@ -1,6 +1,11 @@
 // cairn-tags FAMILY: the tags in images on stdin, as TagDetector::FindInAll has both. A program of its own:
 // its libraries are slow to load, and what crashes on a damaged image is not `cairn`.
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <string>
 
@@ -8,6 +13,11 @@
 
 int main(int argc, char** argv) {
   if (argc != 2) return std::fputs("cairn-tags FAMILY: `cairn import bag --tags` calls it\n", stderr), 2;
+  // It goes with who called it, and writes to nothing but its stdout. What one camera makes has not so many
+  // pixels.
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  ::close_range(STDERR_FILENO + 1, ~0U, 0);
+  ::setenv("OPENCV_IO_MAX_IMAGE_PIXELS", "67108864", 1);
   try {
     const cairn::datasets::TagDetector detector(argv[1]);
     std::string images;

@@ -327,6 +327,8 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
       if (errors.range_m != 0.0) result.PutScalar<double>(prefix + "range_offset_m", errors.range_m);
       const SensorShift& sensor = refined.sensors[r];
       if (sensor.late_s != 0.0) result.PutScalar(prefix + "observations_late_s", sensor.late_s);
+      if (sensor.x_m != 0.0) result.PutScalar(prefix + "sensor_x_m", sensor.x_m);
+      if (sensor.y_m != 0.0) result.PutScalar(prefix + "sensor_y_m", sensor.y_m);
       if (sensor.turned_rad != 0.0) result.PutScalar(prefix + "bearings_turned_rad", sensor.turned_rad);
       const EdgeWidths& widths = refined.paths[r].widths();
       result.PutScalar<double>(prefix + "odometry_walk_rad_per_sqrt_m", widths.walk_rad_per_sqrt_m);

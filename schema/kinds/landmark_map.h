@@ -44,8 +44,8 @@ struct LandmarkMap {
     RobotPoses poses;
     Column<std::int32_t> map_landmark;  // of each observation
     Column<double> probability, heading_drift_rad_per_m, heading_walk_rad_per_sqrt_m, turn_ratio,
-        distance_scale, turn_scale, range_offset_m, observations_late_s, bearings_turned_rad,
-        odometry_walk_rad_per_sqrt_m, odometry_turn_rad_per_sqrt_rad, odometry_way_m_per_sqrt_m,
+        distance_scale, turn_scale, range_offset_m, observations_late_s, bearings_turned_rad, sensor_x_m,
+        sensor_y_m, odometry_walk_rad_per_sqrt_m, odometry_turn_rad_per_sqrt_rad, odometry_way_m_per_sqrt_m,
         place_lead_nats;
     Column<std::int64_t> shared_landmarks, one_sided_landmarks;
     Beliefs beliefs;
@@ -63,6 +63,8 @@ struct LandmarkMap {
       field({"range_offset_m", "", Finite()}, &Robot::range_offset_m);
       field({"observations_late_s", "", Finite()}, &Robot::observations_late_s);
       field({"bearings_turned_rad", "", Finite()}, &Robot::bearings_turned_rad);
+      field({"sensor_x_m", "", Finite()}, &Robot::sensor_x_m);
+      field({"sensor_y_m", "", Finite()}, &Robot::sensor_y_m);
       field({"odometry_walk_rad_per_sqrt_m", "", NotNegative()}, &Robot::odometry_walk_rad_per_sqrt_m);
       field({"odometry_turn_rad_per_sqrt_rad", "", NotNegative()}, &Robot::odometry_turn_rad_per_sqrt_rad);
       field({"odometry_way_m_per_sqrt_m", "", NotNegative()}, &Robot::odometry_way_m_per_sqrt_m);

@@ -125,7 +125,6 @@ def run_pause_resume(walk, job):
     walk.until_says('running', '.title')
     walk.until_says('round 1:', '.log')
     browser.until(lambda: browser.has('#curves .curve'), 'a curve')
-    browser.until(lambda: browser.has('#times rect'), 'tasks on a time line')
     walk.check('runs')
     walk.until_says('done', '.title')
     browser.until(lambda: browser.run('const i = document.querySelector("img.map"); return i && i.complete && '
@@ -149,6 +148,7 @@ def so_far(walk):
     job = submit('landmark_map', 'team.h5', '--seed', '5', '--set', 'cell_m=0.35', '--name', EVIL)
     walk.go('/jobs/' + job)
     browser.until(lambda: browser.has('#sofar iframe'), 'a map of a job that runs')
+    browser.until(lambda: browser.has('#times rect'), 'tasks on a time line')
     walk.press('pause')
     walk.until_says('paused by its owner')
     walk.until_says('It is no result')

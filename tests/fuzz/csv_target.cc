@@ -62,7 +62,7 @@ Outcome Run(std::span<const std::uint8_t> bytes) {
       associations(texts[4]);
   datasets::CsvImportOptions options{
       odometry.path(),     observations.path(),      poses.path(), landmarks.path(),
-      associations.path(), (choice & kSkipBad) != 0, {},           {{0.5, -0.1, 2}, 0.1}};
+      associations.path(), (choice & kSkipBad) != 0, {},           {{0.5, -0.1, 2}, 0}};
   Blob log;
   try {
     datasets::ImportCsv(options, &log);

@@ -16,7 +16,9 @@ namespace {
 constexpr double kShareElsewhere = 0.25, kLeastElsewhere = 4.0;  // of a landmark's observations
 
 constexpr const char* kCausesOfNamed =
-    "do bearings grow counter-clockwise from ahead, are ranges in metres, do odometry and observations use "
+    "do bearings grow counter-clockwise from ahead, are ranges in metres, does the sensor sit where the "
+    "robot "
+    "turns about and look ahead (`cairn import csv --sensor-mount`), do odometry and observations use "
     "one clock, was it moved, do several things bear one name, and were identities mixed up?";
 constexpr const char* kCausesOfErrors =
     " Or are errors of the sensor or of odometry larger than the log states, or than is taken by default "

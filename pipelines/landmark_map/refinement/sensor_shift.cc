@@ -1,6 +1,6 @@
 #include "pipelines/landmark_map/refinement/sensor_shift.h"
 
-#include <Eigen/Geometry>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pipelines/landmark_map/refinement/refined_path.h"
+#include "schema/geometry.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -67,14 +68,15 @@ class Shifted {
       track.controls[k] = ControlsBetween(later, track.time_s[k], track.time_s[k + 1]);
     return Descend(problem_, point_, kSteps).cost;
   }
-  double CostOfTurned(double turned_rad) const {
-    LeastSquaresProblem turned = problem_;
-    for (Sighting& seen : turned.sightings) {
-      const Eigen::Vector2d place = Eigen::Rotation2Dd(-turned_rad) * Eigen::Vector2d(seen.x_m, seen.y_m);
-      seen.x_m = place.x();
-      seen.y_m = place.y();
+  double CostOfMount(const Pose& mount) const {
+    LeastSquaresProblem mounted = problem_;
+    for (Sighting& seen : mounted.sightings) {
+      if (seen.contact()) continue;
+      const Pose place = Compose(mount, {seen.x_m, seen.y_m, 0});
+      seen.x_m = place.x_m;
+      seen.y_m = place.y_m;
     }
-    return Descend(turned, point_, kSteps).cost;
+    return Descend(mounted, point_, kSteps).cost;
   }
   double sightings() const { return static_cast<double>(problem_.sightings.size()); }
 
@@ -118,6 +120,51 @@ Least FindLeast(const F& cost, double first, double most) {
   return {at, none - least};
 }
 
+struct LeastMount {
+  Pose at;
+  double cost;
+};
+
+// Where a paraboloid through ten costs about `start` is least, and again from there, as long as it falls.
+LeastMount FindLeastMount(const Shifted& shifted, LeastMount start, double enough_nats) {
+  constexpr double kMost_m = 2.0;
+  constexpr int kRounds = 4;
+  const Eigen::Vector3d unit(0.1, 0.1, 0.03);  // m, m, rad
+  LeastMount least = start;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto cost = [&](const Eigen::Vector3d& by) {
+      const Eigen::Vector3d off = unit.cwiseProduct(by);
+      return shifted.CostOfMount(
+          {least.at.x_m + off.x(), least.at.y_m + off.y(), least.at.heading_rad + off.z()});
+    };
+    Eigen::Vector3d up, down, gradient;
+    Eigen::Matrix3d curvature;
+    for (int i = 0; i < 3; ++i) {
+      up[i] = cost(Eigen::Vector3d::Unit(i));
+      down[i] = cost(-Eigen::Vector3d::Unit(i));
+      gradient[i] = 0.5 * (up[i] - down[i]);
+      curvature(i, i) = up[i] + down[i] - 2.0 * least.cost;
+    }
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < i; ++k)
+        curvature(i, k) = curvature(k, i) =
+            cost(Eigen::Vector3d::Unit(i) + Eigen::Vector3d::Unit(k)) - up[i] - up[k] + least.cost;
+    const Eigen::LLT<Eigen::Matrix3d> solver(curvature);
+    if (solver.info() != Eigen::Success) break;
+    const Eigen::Vector3d step = unit.cwiseProduct(-solver.solve(gradient));
+    if (round == 0 && 0.5 * gradient.dot(solver.solve(gradient)) < 0.5 * enough_nats) break;
+    const Pose at{std::clamp(least.at.x_m + step.x(), -kMost_m, kMost_m),
+                  std::clamp(least.at.y_m + step.y(), -kMost_m, kMost_m),
+                  std::clamp(least.at.heading_rad + step.z(), -kMost_rad, kMost_rad)};
+    const double there = shifted.CostOfMount(at);
+    if (!(there < least.cost)) break;
+    const bool settled = least.cost - there < 0.5;
+    least = {at, there};
+    if (settled) break;
+  }
+  return least;
+}
+
 }  // namespace
 
 std::vector<SensorShift> FindSensorShifts(const LeastSquaresProblem& problem, const LeastSquaresPoint& point,
@@ -129,12 +176,19 @@ std::vector<SensorShift> FindSensorShifts(const LeastSquaresProblem& problem, co
     if (shifted.sightings() == 0) continue;
     const double enough = std::max(kLeast_nats, kLeastEach_nats * shifted.sightings());
     const Least turned =
-        FindLeast([&](double rad) { return shifted.CostOfTurned(rad); }, kFirst_rad, kMost_rad);
+        FindLeast([&](double rad) { return shifted.CostOfMount({0, 0, -rad}); }, kFirst_rad, kMost_rad);
+    const double none = shifted.CostOfMount({});
+    const LeastMount mount = FindLeastMount(shifted, {{0, 0, -turned.at}, none - turned.gain_nats}, enough);
+    const double mount_nats = none - mount.cost;
     const Least late = FindLeast([&](double s) { return shifted.CostOfLate(s); }, kFirst_s, kMost_s);
     // What explains more: the one may look like a little of the other.
-    if (std::max(turned.gain_nats, late.gain_nats) < enough) continue;
-    (late.gain_nats >= turned.gain_nats ? shift.late_s : shift.turned_rad) =
-        late.gain_nats >= turned.gain_nats ? late.at : turned.at;
+    if (std::max(mount_nats, late.gain_nats) < enough) continue;
+    if (late.gain_nats >= mount_nats)
+      shift.late_s = late.at;
+    else if (mount_nats - turned.gain_nats < enough)
+      shift.turned_rad = turned.at;
+    else
+      shift = {0, -mount.at.heading_rad, mount.at.x_m, mount.at.y_m};
   }
   return shifts;
 }

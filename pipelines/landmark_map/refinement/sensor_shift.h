@@ -1,5 +1,6 @@
-// Whether a robot's observations have another clock than its odometry, or its sensor is turned against its
-// wheels: where the robot turns, or goes on, that shows.
+// Whether a robot's observations have another clock than its odometry, or its sensor sits elsewhere than
+// where the robot turns about, or is turned against its wheels: where the robot turns, or goes on, that
+// shows.
 #pragma once
 
 #include <span>
@@ -12,12 +13,14 @@ namespace cairn::landmark_map {
 
 // 0: nothing of the kind is found.
 struct SensorShift {
-  double late_s = 0.0;      // so much too late are its observations' times, by its odometry's
-  double turned_rad = 0.0;  // so much too large are their bearings
+  double late_s = 0.0;          // so much too late are its observations' times, by its odometry's
+  double turned_rad = 0.0;      // so much too large are their bearings
+  double x_m = 0.0, y_m = 0.0;  // so far ahead and to the left sits its sensor
 };
 
 // Of each robot, among the landmarks that it sees, looked for around `point`, where the least squares ended,
-// to no more than ten seconds and half a radian, whichever explains more; of a large log in its first part.
+// to no more than ten seconds, half a radian and two metres, whichever explains more; of a large log in its
+// first part.
 // `odometry`: of each robot, of which the problem's tracks are.
 std::vector<SensorShift> FindSensorShifts(const LeastSquaresProblem& problem, const LeastSquaresPoint& point,
                                           std::span<const Odometry> odometry);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -47,12 +49,38 @@ TEST(FindSensorShifts, FindByHowMuchASensorIsTurned) {
   }
 }
 
+// Half a metre ahead, or behind, to the side, and turned besides.
+TEST(FindSensorShifts, FindWhereASensorSits) {
+  for (const bool named : {true, false}) {
+    for (const Pose& mount : {Pose{0.5, 0, 0}, Pose{-0.4, 0.1, 0}, Pose{0.3, 0, 0.14}}) {
+      Blob log = PostsLog{.drift_rad_per_m = 0.002, .named = named}.Make();
+      const auto range = log.Get<double>("robot/0/observations/range_m"),
+                 bearing = log.Get<double>("robot/0/observations/bearing_rad");
+      std::vector<double> seen_range, seen_bearing;
+      for (std::size_t i = 0; i < range.size(); ++i) {
+        const Pose at = Between(mount, {range[i] * std::cos(bearing[i]), range[i] * std::sin(bearing[i]), 0});
+        seen_range.push_back(std::hypot(at.x_m, at.y_m));
+        seen_bearing.push_back(std::atan2(at.y_m, at.x_m));
+      }
+      log.PutVector("robot/0/observations/range_m", seen_range);
+      log.PutVector("robot/0/observations/bearing_rad", seen_bearing);
+      const BlobPtr map = RunInProcess(LandmarkMap({}), {{"log", std::make_shared<const Blob>(log)}});
+      ASSERT_TRUE(map->Has("robot/0/sensor_x_m")) << named << ", " << mount.x_m;
+      EXPECT_NEAR(map->Scalar<double>("robot/0/sensor_x_m"), mount.x_m, 0.1) << named;
+      EXPECT_NEAR(map->Scalar<double>("robot/0/sensor_y_m"), mount.y_m, 0.1) << named;
+      EXPECT_NEAR(map->Scalar<double>("robot/0/bearings_turned_rad"), -mount.heading_rad, 0.03) << named;
+      EXPECT_FALSE(map->Has("robot/0/observations_late_s"));
+    }
+  }
+}
+
 TEST(FindSensorShifts, NoneWhereClocksAgreeAndBearingsAreRight) {
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     for (const bool named : {true, false}) {
       const BlobPtr map = MapOfLate({.drift_rad_per_m = 0.01, .seed = seed, .named = named}, 0.0);
       EXPECT_FALSE(map->Has("robot/0/observations_late_s")) << seed << ", " << named;
       EXPECT_FALSE(map->Has("robot/0/bearings_turned_rad")) << seed << ", " << named;
+      EXPECT_FALSE(map->Has("robot/0/sensor_x_m")) << seed << ", " << named;
     }
   }
 }
