@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "pipelines/landmark_map/refinement/refined_path.h"
@@ -61,14 +62,25 @@ class Shifted {
     point_.errors = {point.errors[robot]};
   }
 
-  double CostOfLate(double late_s) {
+  double CostOfLate(double late_s) const {
     const Odometry later = Later(odometry_, late_s);
-    NodeTrack& track = problem_.robots[0];
+    LeastSquaresProblem late = problem_;
+    NodeTrack& track = late.robots[0];
     for (std::size_t k = 0; k < track.controls.size(); ++k)
       track.controls[k] = ControlsBetween(later, track.time_s[k], track.time_s[k + 1]);
-    return Descend(problem_, point_, kSteps).cost;
+    return Descend(late, point_, kSteps).cost;
   }
-  double CostOfMount(const Pose& mount) const {
+  // With the sensor there: the least.
+  LeastSquaresEnd EndOfMount(const Pose& mount) const { return Descend(Mounted(mount), point_, kSteps); }
+  double CostOfMount(const Pose& mount) const { return EndOfMount(mount).cost; }
+  // Where nothing else moves.
+  double CostOfMount(const Pose& mount, const LeastSquaresPoint& at) const {
+    return CostOf(Mounted(mount), at);
+  }
+  double sightings() const { return static_cast<double>(problem_.sightings.size()); }
+
+ private:
+  LeastSquaresProblem Mounted(const Pose& mount) const {
     LeastSquaresProblem mounted = problem_;
     for (Sighting& seen : mounted.sightings) {
       if (seen.contact()) continue;
@@ -76,11 +88,9 @@ class Shifted {
       seen.x_m = place.x_m;
       seen.y_m = place.y_m;
     }
-    return Descend(mounted, point_, kSteps).cost;
+    return mounted;
   }
-  double sightings() const { return static_cast<double>(problem_.sightings.size()); }
 
- private:
   LeastSquaresProblem problem_;
   LeastSquaresPoint point_;
   const Odometry& odometry_;
@@ -90,11 +100,11 @@ struct Least {
   double at = 0.0, gain_nats = 0.0;
 };
 
-// Where the cost is least: twice as far from 0 while that is less, then halfway between.
+// Where the cost is least: twice as far from 0 while that is less, then halfway between. `none`: the cost at
+// 0.
 template <class F>
-Least FindLeast(const F& cost, double first, double most) {
+Least FindLeast(const F& cost, double none, double first, double most) {
   constexpr int kHalvings = 3;
-  const double none = cost(0.0);
   double from = 0.0, at = first, to, least = cost(at);
   if (least >= none) least = cost(at = -first);
   if (least >= none) return {};
@@ -120,47 +130,75 @@ Least FindLeast(const F& cost, double first, double most) {
   return {at, none - least};
 }
 
-struct LeastMount {
-  Pose at;
-  double cost;
-};
+Pose Moved(const Pose& at, const Eigen::Vector3d& by) {
+  return {at.x_m + by.x(), at.y_m + by.y(), at.heading_rad + by.z()};
+}
 
-// Where a paraboloid through ten costs about `start` is least, and again from there, as long as it falls.
-LeastMount FindLeastMount(const Shifted& shifted, LeastMount start, double enough_nats) {
-  constexpr double kMost_m = 2.0;
-  constexpr int kRounds = 4;
-  const Eigen::Vector3d unit(0.1, 0.1, 0.03);  // m, m, rad
-  LeastMount least = start;
-  for (int round = 0; round < kRounds; ++round) {
-    const auto cost = [&](const Eigen::Vector3d& by) {
-      const Eigen::Vector3d off = unit.cwiseProduct(by);
-      return shifted.CostOfMount(
-          {least.at.x_m + off.x(), least.at.y_m + off.y(), least.at.heading_rad + off.z()});
-    };
-    Eigen::Vector3d up, down, gradient;
-    Eigen::Matrix3d curvature;
+// A paraboloid through costs about a mount, in units of what it is moved by. Where all else is at its least,
+// the slope is that of the cost where nothing else moves.
+class MountParaboloid {
+ public:
+  MountParaboloid(const Shifted& shifted, const Pose& at, const LeastSquaresEnd& end)
+      : shifted_(shifted), at_(at), cost_(end.cost) {
+    constexpr double kSmall = 0.01;
     for (int i = 0; i < 3; ++i) {
-      up[i] = cost(Eigen::Vector3d::Unit(i));
-      down[i] = cost(-Eigen::Vector3d::Unit(i));
-      gradient[i] = 0.5 * (up[i] - down[i]);
-      curvature(i, i) = up[i] + down[i] - 2.0 * least.cost;
+      const auto cost = [&](double by) {
+        return shifted.CostOfMount(Moved(at, kUnit.cwiseProduct(by * Eigen::Vector3d::Unit(i))), end.point);
+      };
+      slope_[i] = (cost(kSmall) - cost(-kSmall)) / (2.0 * kSmall);
+      up_[i] = Cost(Eigen::Vector3d::Unit(i));
+      curvature_(i, i) = std::max(1e-9, 2.0 * (up_[i] - cost_ - slope_[i]));
     }
+  }
+
+  // Along one of them.
+  double GainAlongOne() const { return 0.5 * slope_.cwiseAbs2().cwiseQuotient(curvature_.diagonal()).sum(); }
+  // From here to where it is least; none where that is nowhere.
+  std::optional<Eigen::Vector3d> ToLeast() {
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < i; ++k)
-        curvature(i, k) = curvature(k, i) =
-            cost(Eigen::Vector3d::Unit(i) + Eigen::Vector3d::Unit(k)) - up[i] - up[k] + least.cost;
-    const Eigen::LLT<Eigen::Matrix3d> solver(curvature);
-    if (solver.info() != Eigen::Success) break;
-    const Eigen::Vector3d step = unit.cwiseProduct(-solver.solve(gradient));
-    if (round == 0 && 0.5 * gradient.dot(solver.solve(gradient)) < 0.5 * enough_nats) break;
-    const Pose at{std::clamp(least.at.x_m + step.x(), -kMost_m, kMost_m),
-                  std::clamp(least.at.y_m + step.y(), -kMost_m, kMost_m),
-                  std::clamp(least.at.heading_rad + step.z(), -kMost_rad, kMost_rad)};
-    const double there = shifted.CostOfMount(at);
-    if (!(there < least.cost)) break;
-    const bool settled = least.cost - there < 0.5;
-    least = {at, there};
-    if (settled) break;
+        curvature_(i, k) = curvature_(k, i) =
+            Cost(Eigen::Vector3d::Unit(i) + Eigen::Vector3d::Unit(k)) - up_[i] - up_[k] + cost_;
+    const Eigen::LLT<Eigen::Matrix3d> solver(curvature_);
+    if (solver.info() != Eigen::Success) return std::nullopt;
+    return kUnit.cwiseProduct(-solver.solve(slope_));
+  }
+
+ private:
+  inline static const Eigen::Vector3d kUnit{0.1, 0.1, 0.03};  // m, m, rad
+  double Cost(const Eigen::Vector3d& by) const {
+    return shifted_.CostOfMount(Moved(at_, kUnit.cwiseProduct(by)));
+  }
+
+  const Shifted& shifted_;
+  Pose at_;
+  double cost_;
+  Eigen::Vector3d slope_, up_;
+  Eigen::Matrix3d curvature_ = Eigen::Matrix3d::Zero();
+};
+
+struct LeastMount {
+  Pose at;
+  LeastSquaresEnd end;
+};
+
+// Where such a paraboloid is least, and again from there, as long as the cost falls.
+LeastMount FindLeastMount(const Shifted& shifted, const Pose& start) {
+  constexpr double kMost_m = 2.0;
+  constexpr int kRounds = 4;
+  LeastMount least{start, shifted.EndOfMount(start)};
+  const double first = least.end.cost;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto step = MountParaboloid(shifted, least.at, least.end).ToLeast();
+    if (!step) break;
+    Pose at = Moved(least.at, *step);
+    at = {std::clamp(at.x_m, -kMost_m, kMost_m), std::clamp(at.y_m, -kMost_m, kMost_m),
+          std::clamp(at.heading_rad, -kMost_rad, kMost_rad)};
+    LeastSquaresEnd there = shifted.EndOfMount(at);
+    const double fell = least.end.cost - there.cost;
+    if (!(fell > 0)) break;
+    least = {at, std::move(there)};
+    if (fell < std::max(0.5, 0.05 * (first - least.end.cost))) break;
   }
   return least;
 }
@@ -175,12 +213,18 @@ std::vector<SensorShift> FindSensorShifts(const LeastSquaresProblem& problem, co
     SensorShift& shift = shifts.emplace_back();
     if (shifted.sightings() == 0) continue;
     const double enough = std::max(kLeast_nats, kLeastEach_nats * shifted.sightings());
-    const Least turned =
-        FindLeast([&](double rad) { return shifted.CostOfMount({0, 0, -rad}); }, kFirst_rad, kMost_rad);
-    const double none = shifted.CostOfMount({});
-    const LeastMount mount = FindLeastMount(shifted, {{0, 0, -turned.at}, none - turned.gain_nats}, enough);
-    const double mount_nats = none - mount.cost;
-    const Least late = FindLeast([&](double s) { return shifted.CostOfLate(s); }, kFirst_s, kMost_s);
+    const LeastSquaresEnd as_is = shifted.EndOfMount({});
+    const Least late =
+        FindLeast([&](double s) { return shifted.CostOfLate(s); }, as_is.cost, kFirst_s, kMost_s);
+    Least turned;
+    LeastMount mount{{}, as_is};
+    constexpr double kWorthALook = 0.3;  // of what is to gain; chance makes less of three in nine of ten
+    if (MountParaboloid(shifted, {}, as_is).GainAlongOne() > kWorthALook * enough) {
+      turned = FindLeast([&](double rad) { return shifted.CostOfMount({0, 0, -rad}); }, as_is.cost,
+                         kFirst_rad, kMost_rad);
+      mount = FindLeastMount(shifted, {0, 0, -turned.at});
+    }
+    const double mount_nats = as_is.cost - mount.end.cost;
     // What explains more: the one may look like a little of the other.
     if (std::max(mount_nats, late.gain_nats) < enough) continue;
     if (late.gain_nats >= mount_nats)
