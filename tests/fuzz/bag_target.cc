@@ -79,7 +79,8 @@ Outcome RunContainerFile(const std::string& path, std::uint8_t flags) {
     const auto take = [&](const bag::Message& message) {
       CAIRN_DEMAND(message.channel < wanted.size() && wanted[message.channel], "a message nobody wants");
       CAIRN_DEMAND(message.number == ++taken[message.channel], "a message of another number");
-      for (const std::byte byte : message.bytes) sum += std::to_integer<std::uint64_t>(byte);  // each is there
+      for (const std::byte byte : message.bytes)
+        sum += std::to_integer<std::uint64_t>(byte);  // each is there
       ++messages;
     };
     std::string broken;
