@@ -1,6 +1,7 @@
 #include "datasets/bag/tag_images.h"
 
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "datasets/bag/testing_import.h"
@@ -15,7 +16,7 @@ using bag::Encoder;
 // two metres ahead and half a metre to the right of a camera of its own making.
 class TagImagesTest : public ImportBagTest {
  protected:
-  const Camera camera_{400, 410, 320, 240, {-0.1, 0.01, 0, 0, 0, 0, 0, 0}};
+  Camera camera_{400, 410, 320, 240, {-0.1, 0.01, 0, 0, 0, 0, 0, 0}};
   std::vector<BagMessage> messages_ = bag::SmallDrive(To::kCdr);
   std::string images_;  // that the detector was given
   std::string second_ = "0";
@@ -105,6 +106,12 @@ TEST_F(TagImagesTest, WhatCannotBeUsedIsSaidOrCounted) {
   std::erase_if(messages_, [](const BagMessage& one) { return one.topic == "/camera/camera_info"; });
   second_ = "0";
   ExpectContains(refusal(), "no camera_info beside it says what its camera is like: --camera");
+  const double fx = camera_.fx;
+  camera_.fx = std::numeric_limits<double>::infinity();
+  messages_.push_back(Info());
+  ExpectContains(refusal(), "no camera: its numbers are not finite; --camera");
+  messages_.pop_back();
+  camera_.fx = fx;
   options_.camera = "400,410,320,240,-0.1,0.01,0,0";
   EXPECT_EQ(refusal(), "");
   ExpectTag(2.1, -0.5);

@@ -75,6 +75,13 @@ TEST(TagDetector, AnImageWithoutTagsHasNone) {
   EXPECT_TRUE(TagDetector("tag36h11").Find(noise).empty());
 }
 
+// The library reads beyond the end of such ones.
+TEST(TagDetector, ImagesOfAFewPixelsHaveNone) {
+  const TagDetector tags("tag36h11");
+  for (const auto& [rows, cols] : {std::pair(1, 1), {2, 2}, {1, 640}, {640, 1}, {2, 8}})
+    EXPECT_TRUE(tags.Find(cv::Mat(rows, cols, CV_8U, cv::Scalar(0))).empty()) << rows << " x " << cols;
+}
+
 TEST(TagDetector, TakesImagesOneAfterTheOther) {
   const TagDetector tags("tag36h11");
   std::vector<unsigned char> png;

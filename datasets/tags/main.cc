@@ -8,16 +8,23 @@
 #include <cstdlib>
 #include <exception>
 #include <string>
+#include <string_view>
 
 #include "datasets/tags/find_tags.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) return std::fputs("cairn-tags FAMILY: `cairn import bag --tags` calls it\n", stderr), 2;
-  // It goes with who called it, and writes to nothing but its stdout. What one camera makes has not so many
-  // pixels.
+  // It goes with who called it, and writes to nothing but its stdout.
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   ::close_range(STDERR_FILENO + 1, ~0U, 0);
-  ::setenv("OPENCV_IO_MAX_IMAGE_PIXELS", "67108864", 1);
+  // No camera makes images of more pixels; OpenCV reads this as it is loaded.
+  constexpr const char *kLimit = "OPENCV_IO_MAX_IMAGE_PIXELS", *kPixels = "67108864";
+  const char* const limit = std::getenv(kLimit);
+  if (limit == nullptr || std::string_view(limit) != kPixels) {
+    ::setenv(kLimit, kPixels, 1);
+    ::execv("/proc/self/exe", argv);
+    return std::perror("cairn-tags: cannot bound the pixels of an image"), 1;
+  }
   try {
     const cairn::datasets::TagDetector detector(argv[1]);
     std::string images;

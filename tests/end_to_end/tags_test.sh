@@ -28,6 +28,19 @@ refuses 'what is meant is FX,FY,CX,CY' cairn import bag drive.bag x.h5 --tags /c
 refuses 'that topic is of nav_msgs/Odometry' cairn import bag drive.bag x.h5 --tags /odom=0.2 "${take[@]}"
 refuses "no tf says where that is" cairn import bag drive.bag x.h5 --tags /camera/image_raw=0.2
 
+# An image of more pixels than a camera has is not unpacked; one that follows it is looked at.
+/usr/bin/python3 - "$(ls tags/*.png | head -n 1)" >images <<'END'
+import struct, sys, zlib
+side = 12000
+chunk = lambda kind, data: struct.pack('>I', len(data)) + kind + data + struct.pack('>I', zlib.crc32(kind + data))
+bomb = (b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', struct.pack('>IIBBBBB', side, side, 8, 0, 0, 0, 0)) +
+        chunk(b'IDAT', zlib.compress(bytes((side + 1) * side), 1)) + chunk(b'IEND', b''))
+for image in (bomb, open(sys.argv[1], 'rb').read()):
+    sys.stdout.buffer.write(b'%d\n' % len(image) + image)
+END
+cairn-tags tag36h11 <images >found || die "cairn-tags failed"
+[ "$(head -n 1 found)" = '!it cannot be decoded' ] && [ "$(wc -l <found)" -eq 2 ] || die "cairn-tags said: $(cat found)"
+
 exits 0 cairn map log.h5 --out map
 cp log.h5 truth.h5
 /usr/bin/python3 "$CAIRN_SOURCE/tests/end_to_end/make_tag_bag.py" --truth truth.h5
