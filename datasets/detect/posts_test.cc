@@ -116,5 +116,14 @@ TEST(FindReflectors, FindsWhatIsBrighterThanElseAtItsDistance) {
   EXPECT_TRUE(FindReflectors(HalfTurn(), range_m, intensity, brightness, narrow).empty());
 }
 
+// Drivers that know no intensities write zeros.
+TEST(Brightness, WhereAllIsDarkNothingIsAReflector) {
+  Brightness brightness;
+  for (int i = 0; i < 1000; ++i) brightness.Add(0.01 * i, 0);
+  brightness.Finish();
+  for (const double range_m : {0.0, 5.0, 50.0})
+    EXPECT_EQ(brightness.LeastOfReflectors(range_m), std::numeric_limits<double>::infinity()) << range_m;
+}
+
 }  // namespace
 }  // namespace cairn::datasets

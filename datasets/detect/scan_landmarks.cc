@@ -105,14 +105,15 @@ class Tracks {
     for (Sighting& sighting : scan) {
       const double range_m = std::hypot(sighting.on_robot.x_m, sighting.on_robot.y_m);
       const Pose at = Compose(place.pose, {sighting.on_robot.x_m, sighting.on_robot.y_m, 0});
+      const std::size_t known = tracks_.size();
       sighting.track = FindOrOpen({at.x_m, at.y_m}, kGate_m + kGate_rad * range_m, sighting.time_s);
       Track& track = tracks_[sighting.track];
       const double turned_rad =
           std::abs(WrapAngle(place.pose.heading_rad - track.kept_from.pose.heading_rad));
-      sighting.repeats = track.scans > 1 && place.way_m - track.kept_from.way_m < options_.every_m &&
+      sighting.repeats = sighting.track < known && place.way_m - track.kept_from.way_m < options_.every_m &&
                          turned_rad * range_m < options_.every_m;
       if (!sighting.repeats) {
-        if (track.scans > 1) Compare(place.pose, track.kept_at, &sighting);
+        if (sighting.track < known) Compare(place.pose, track.kept_at, &sighting);
         track.kept_from = place;
         track.kept_at = {at.x_m, at.y_m};
       }

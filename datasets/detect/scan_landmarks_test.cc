@@ -78,6 +78,15 @@ TEST_F(ScanLandmarksTest, FromWhereItStandsItSeesTheSameOnce) {
   EXPECT_GT(some, 4);
 }
 
+TEST_F(ScanLandmarksTest, WhatTwoLasersSeeAtOnceIsOneLandmark) {
+  const std::int64_t one = FindLandmarksInScans(options_, &log_).observations;
+  for (const char* array :
+       {"time_s", "range_m", "beam_x_m", "beam_y_m", "beam_heading_rad", "opening_rad", "max_range_m"})
+    log_.Put(std::string("robot/0/laser2/") + array, log_.at(std::string("robot/0/laser/") + array));
+  options_.replace = true;
+  EXPECT_EQ(FindLandmarksInScans(options_, &log_).observations, one);
+}
+
 TEST_F(ScanLandmarksTest, WhatItCannotDoIsRefused) {
   const auto failure = [&] { return InputErrorOf([&] { FindLandmarksInScans(options_, &log_); }); };
   options_.reflectors = ScanLandmarkOptions::Widths{0.02, 0.3};
