@@ -78,10 +78,9 @@ Verdict::Doubt OfRangeOffsets(const kinds::LandmarkMap& map, Verdict* verdict) {
                       std::abs(furthest_m), furthest_m > 0 ? "long" : "short")};
 }
 
-// What an option of the import takes off, of all robots together: of one among several it is none.
+// What takes it off: an option of the import, which is of all robots together, so that it helps a log of one.
 std::string Option(const kinds::LandmarkMap& map, const std::string& option) {
-  if (map.robot.size() > 1)
-    return " An option of the import is of all robots: put right the rows of this one";
+  if (map.robot.size() > 1) return " It can be put right in the rows of that robot";
   return " `cairn import csv " + option + "` takes that off (added to what it was told before)";
 }
 
@@ -100,7 +99,7 @@ Verdict::Doubt OfClocks(const kinds::LandmarkMap& map, Verdict* verdict) {
   if (std::abs(late_s) * MeanSpeed_mps(map.robot[furthest].poses) <= kFar_m) return {Confidence::kHigh};
   return {Confidence::kFair,
           fmt::format("the observations of {} fit better some {:.2g} s {}: are its sensor's clock and its "
-                      "odometry's the same? Where it is the sensor's that is off,{}",
+                      "odometry's the same? If the sensor's is off:{}",
                       map.robots[furthest], std::abs(late_s), late_s > 0 ? "earlier" : "later",
                       Option(map, fmt::format("--sensor-late-s={:.2g}", late_s)))};
 }
