@@ -44,7 +44,8 @@ std::string Quoted(const std::string& path) {
   return quoted + "'";
 }
 
-constexpr std::size_t kMostLooked = 50;  // files of a folder
+constexpr std::size_t kMostLooked = 50;           // files of a folder
+constexpr const char* kJobTable = "jobs.sqlite";  // of Cairn's own store: no bag, though it is SQLite
 constexpr const char* kRelations = "relations of the SLAM benchmark";
 constexpr const char *kOdometry = "a table of odometry", *kObservations = "a table of observations";
 
@@ -206,7 +207,8 @@ std::optional<Recognized> RecognizeOneFolder(const std::string& path) {
   std::size_t images = 0;
   for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
     if (IsImageName(entry->path())) ++images;
-    if (entry->is_regular_file(error)) files.push_back(entry->path().string());
+    if (entry->is_regular_file(error) && entry->path().filename() != kJobTable)
+      files.push_back(entry->path().string());
   }
   if (images > 1)
     return Recognized{"a folder of " + std::to_string(images) + " images",
@@ -225,7 +227,8 @@ std::optional<Recognized> RecognizeFolder(const std::string& path) {
   std::vector<std::string> folders;
   std::error_code error;
   for (fs::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error))
-    if (entry->is_directory(error)) folders.push_back(entry->path().string());
+    if (entry->is_directory(error) && !entry->path().filename().string().starts_with('.'))
+      folders.push_back(entry->path().string());
   std::size_t more = 0;
   auto found = FirstOf(std::move(folders), RecognizeOneFolder, &more);
   if (found)

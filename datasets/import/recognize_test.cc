@@ -79,6 +79,11 @@ TEST(Recognize, TellsFoldersByTheirFiles) {
             "a folder of 3 folders to inspect, such as a folder with a CARMEN log, x.log, one");
   ExpectContains(command({"README", "base-01/odometry.csv", "base-02/odometry.csv"}), "base-01/odometry.csv");
   EXPECT_EQ(command({"diary.txt"}), "");
+  TestFolder stopped;  // a run's folder; what a store holds is no bag
+  std::filesystem::create_directories(stopped / ".cairn");
+  stopped.Put(".cairn/jobs.sqlite", "SQLite format 3");
+  EXPECT_EQ(CommandOf(stopped / ""), "");
+  EXPECT_EQ(CommandOf(stopped / ".cairn"), "");
   EXPECT_EQ(command({}), "");
 }
 

@@ -189,6 +189,8 @@ def so_far(walk):
     cairn('results', job, '--so-far', '--out', 'so-far')
     (file,) = [name for name in os.listdir('so-far') if name.endswith('.h5')]
     assert 'no result' in cairn('inspect', 'so-far/' + file)
+    refused = subprocess.run(['cairn', 'export', 'csv', 'so-far/' + file, 'tables'], capture_output=True, text=True)
+    assert 'of which nothing is exported' in refused.stderr, refused
     refused = subprocess.run(['cairn', 'evaluate', 'so-far', '--truth', 'team.h5'], capture_output=True, text=True)
     assert refused.returncode == 2 and 'no result' in refused.stderr, refused
     before = browser.run(version)

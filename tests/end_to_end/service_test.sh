@@ -24,6 +24,8 @@ exits 0 cairn cancel "$early"
 says 'is cancelled$'
 refuses "job $early was cancelled before a stage of it was done: it has no results, and will have none" \
   cairn results "$early" --out never
+refuses "job $early was cancelled: it shows nothing any more" cairn results "$early" --so-far --out never
+refuses "'home/store' is a coordinator's store" cairn inspect home/store
 # What the pipeline refuses is not sent away to hear it.
 refuses "the start of stage 'evidence_map': the log has no range scans" cairn submit evidence_map log.h5
 workers=()

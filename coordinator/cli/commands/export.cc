@@ -9,6 +9,7 @@
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/result_file.h"
 #include "datasets/kinds/result_kinds.h"
+#include "schema/kinds/kind.h"
 #include "schema/text.h"
 
 namespace cairn::cli {
@@ -115,6 +116,9 @@ int Export(const ExportArguments& options, const Invocation&) {
   const BlobFile source = ReadSource(options);
   WarnOfSeveralJobs(options.from, "it is the " + source.kind + " that is exported");
   const datasets::ResultKind* kind = datasets::FindResultKind(source.kind);
+  if (source.kind == "map_so_far")
+    throw InputError(options.from + ": " + WithArticle(source.kind) +
+                     ", of which nothing is exported; its picture and page are beside it");
   const std::vector<std::string> files = Take(options.format->write(options, source.blob));
   const std::vector<std::string> left = options.format->name == std::string_view("csv")
                                             ? datasets::NotInCsv(source.blob)

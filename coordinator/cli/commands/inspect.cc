@@ -57,6 +57,9 @@ std::vector<std::string> NextCommands(const std::string& folder, const Found& fi
 }
 
 std::string Doubtful(const std::string& folder, bool unfinished) {
+  if (fs::exists(fs::path(folder) / "jobs.sqlite"))
+    return "'" + folder + "' is a coordinator's store; `cairn coordinator --store " + folder +
+           "` serves it, `cairn status` says what is in it";
   return unfinished
              ? "'" + folder +
                    "' is the --out folder of a run that is not finished; the same `cairn run` again goes "

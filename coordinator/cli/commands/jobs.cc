@@ -95,10 +95,13 @@ bool Holds(const std::string& file, const Blob& result) {
 
 bool IsCutShort(const wire::JobInfo& job) { return job.state() == "cancelled" || job.state() == "failed"; }
 
+const char* HowItWasCut(const wire::JobInfo& job) {
+  return job.state() == "failed" ? "has failed" : "was cancelled";
+}
+
 std::string WhyNoResults(const wire::JobInfo& job) {
   if (IsCutShort(job))
-    return "job " + job.id() + (job.state() == "failed" ? " has failed" : " was cancelled") +
-           " before a stage of it was done: it has no results" +
+    return "job " + job.id() + " " + HowItWasCut(job) + " before a stage of it was done: it has no results" +
            (job.state() == "failed" ? "" : ", and will have none");
   return "job " + job.id() + " has no results yet";
 }
@@ -133,8 +136,7 @@ class FetchedText {
 void SayWhatIsMissing(const wire::JobInfo& job, std::size_t stages) {
   if (IsCutShort(job) && stages < job.stages())
     std::printf("job %s %s: these are the results of %zu of its %u stages, those that were done\n",
-                job.id().c_str(), job.state() == "failed" ? "has failed" : "was cancelled", stages,
-                job.stages());
+                job.id().c_str(), HowItWasCut(job), stages, job.stages());
 }
 
 // What there is to see of a job's stage under way, as files of their own, which may replace earlier ones. A
@@ -148,11 +150,12 @@ std::map<std::string, BlobPtr> TakeSoFar(coordinator::Client& client, const std:
     CheckKind(*blob, "map_so_far");
     named[stage + "-so-far"] = blob;
   }
-  if (named.empty())
-    throw InputError("job " + job + " shows nothing " +
-                     (facts->job.state() == "done" ? "but its results: leave out --so-far"
-                                                   : "yet, or its pipeline shows nothing on its way"));
-  return named;
+  if (!named.empty()) return named;
+  if (IsCutShort(facts->job))
+    throw InputError("job " + job + " " + HowItWasCut(facts->job) + ": it shows nothing any more");
+  throw InputError("job " + job + " shows nothing " +
+                   (facts->job.state() == "done" ? "but its results: leave out --so-far"
+                                                 : "yet, or its pipeline shows nothing on its way"));
 }
 
 std::map<std::string, BlobPtr> TakeInputs(coordinator::Client& client, const std::string& job,
