@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <string>
 
 #include "schema/blob.h"
@@ -141,6 +142,17 @@ std::size_t TextColumns(std::string_view text) {
 std::string Padded(std::string text, std::size_t columns) {
   const std::size_t has = TextColumns(text);
   return has < columns ? std::move(text) + std::string(columns - has, ' ') : text;
+}
+
+std::string ShellWord(const std::string& text) {
+  const bool plain = std::ranges::all_of(text, [](unsigned char c) {
+    return std::isalnum(c) != 0 || c >= 0x80 ||
+           std::string_view("/._-+,:=@%").find(static_cast<char>(c)) != std::string_view::npos;
+  });
+  if (plain && !text.empty()) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
 }
 
 std::string NameList(const std::vector<std::string>& names, std::size_t most) {

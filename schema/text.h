@@ -53,6 +53,9 @@ std::string Padded(std::string text, std::size_t columns);
 // there are none.
 std::string NameList(const std::vector<std::string>& names, std::size_t most = 5);
 
+// A path or a name as a shell takes it for one word.
+std::string ShellWord(const std::string& text);
+
 // "1.5 GB", for people.
 std::string BytesText(std::uint64_t bytes);
 

@@ -99,6 +99,13 @@ TEST(Printable, WhatIsNoUtf8BecomesQuestionMarks) {
   EXPECT_EQ(Printable("\xf4\x90\x80\x80", 100), "????") << "beyond the last character";
 }
 
+TEST(ShellWord, IsQuotedWhereAShellWouldTakeItApart) {
+  EXPECT_EQ(ShellWord("a/b-c.h5"), "a/b-c.h5");
+  EXPECT_EQ(ShellWord("it's mine"), "'it'\\''s mine'");
+  EXPECT_EQ(ShellWord("$(rm)"), "'$(rm)'");
+  EXPECT_EQ(ShellWord(""), "''");
+}
+
 TEST(NameList, ShowsAHandfulAndCountsTheOthers) {
   EXPECT_EQ(NameList({}), "none");
   EXPECT_EQ(NameList({"ann"}), "'ann'");

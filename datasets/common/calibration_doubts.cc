@@ -10,6 +10,7 @@
 #include <string>
 
 #include "schema/geometry.h"
+#include "schema/text.h"
 
 namespace cairn::datasets {
 namespace {
@@ -78,10 +79,12 @@ Verdict::Doubt OfRangeOffsets(const kinds::LandmarkMap& map, Verdict* verdict) {
                       std::abs(furthest_m), furthest_m > 0 ? "long" : "short")};
 }
 
-// What takes it off: an option of the import, which is of all robots together, so that it helps a log of one.
-std::string Option(const kinds::LandmarkMap& map, const std::string& option) {
-  if (map.robot.size() > 1) return " It can be put right in the rows of that robot";
-  return " `cairn import csv " + option + "` takes that off (added to what it was told before)";
+// What takes it off, of one robot, which is named where there are several.
+std::string Option(const kinds::LandmarkMap& map, std::size_t robot, const char* option,
+                   const std::string& value) {
+  const std::string whose = map.robot.size() > 1 ? ShellWord(map.robots[robot] + "=") : "";
+  return fmt::format(" `cairn import csv {}={}{}` takes that off (added to what it was told before)", option,
+                     whose, value);
 }
 
 // The map hardly suffers, but the robot was not there when the path says so.
@@ -101,7 +104,7 @@ Verdict::Doubt OfClocks(const kinds::LandmarkMap& map, Verdict* verdict) {
           fmt::format("the observations of {} fit better some {:.2g} s {}: are its sensor's clock and its "
                       "odometry's the same? If the sensor's is off:{}",
                       map.robots[furthest], std::abs(late_s), late_s > 0 ? "earlier" : "later",
-                      Option(map, fmt::format("--sensor-late-s={:.2g}", late_s)))};
+                      Option(map, furthest, "--sensor-late-s", fmt::format("{:.2g}", late_s)))};
 }
 
 // A sensor that sits elsewhere than it is taken to, or is turned, bends the map.
@@ -136,8 +139,9 @@ Verdict::Doubt OfMounts(const kinds::LandmarkMap& map, Verdict* verdict) {
                 "of where the robot turns about, turned by {:.1f} degrees: does it?",
                 map.robots[furthest], std::abs(mount.x_m), mount.x_m < 0 ? "behind" : "ahead",
                 std::abs(mount.y_m), mount.y_m < 0 ? "right" : "left", degrees);
-  return {Confidence::kFair, what + Option(map, fmt::format("--sensor-mount={:.2f},{:.2f},{:.2g}", mount.x_m,
-                                                            mount.y_m, degrees))};
+  return {Confidence::kFair,
+          what + Option(map, furthest, "--sensor-mount",
+                        fmt::format("{:.2f},{:.2f},{:.2g}", mount.x_m, mount.y_m, degrees))};
 }
 
 // Turns the observations tell well, whatever odometry says: MRCLAM's robots turn three quarters as far as

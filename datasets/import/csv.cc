@@ -15,6 +15,7 @@
 #include "datasets/import/row_times.h"
 #include "datasets/import/skipped_rows.h"
 #include "schema/error.h"
+#include "schema/text.h"
 
 namespace cairn::datasets {
 namespace {
@@ -53,8 +54,8 @@ class CsvImport {
       throw InputError(options_.truth_associations +
                        ": associations need a file of true landmarks beside them");
     }
-    rows_.noise = options_.sensor.OnRobot(options_.noise);
     ReadOdometry();
+    MountSensors();
     if (!options_.truth_landmarks.empty()) ReadTruthLandmarks();
     if (!options_.observations.empty()) ReadObservations();
     if (!options_.truth_poses.empty()) ReadTruthPoses();
@@ -201,6 +202,38 @@ class CsvImport {
     return good;
   }
 
+  // Each robot's, and the noise parameters of the one that sees most.
+  void MountSensors() {
+    const auto known = [&](const auto& of_robots, const char* what) {
+      for (const auto& [robot, value] : of_robots)
+        if (!robot.empty() && robots_.Find(robot) < 0 && !(robot == kOnlyRobot && !has_robots_))
+          throw InputError(
+              std::string(what) + " of '" + robot + "': no such robot in " + options_.odometry +
+              ", which has " +
+              NameList(has_robots_ ? robots_.names() : std::vector<std::string>{std::string(kOnlyRobot)}));
+    };
+    known(options_.mounts, "the sensor's place");
+    known(options_.late_s, "the sensor's clock");
+    const auto of = [](const auto& of_robots, const std::string& robot) {
+      const auto found = of_robots.contains(robot) ? of_robots.find(robot) : of_robots.find("");
+      return found != of_robots.end() ? found->second : decltype(found->second)();
+    };
+    for (const RobotRows& robot : rows_.robots)
+      sensors_.push_back({of(options_.mounts, robot.name), of(options_.late_s, robot.name)});
+    rows_.noise = options_.noise;
+    for (const LandmarkSensor& sensor : sensors_) {
+      const NoiseParameters on = sensor.OnRobot(options_.noise);
+      if (on.max_range_m) rows_.noise.max_range_m = std::max(*rows_.noise.max_range_m, *on.max_range_m);
+      if (!on.field_of_view_rad) rows_.noise.field_of_view_rad.reset();
+      if (rows_.noise.field_of_view_rad)
+        rows_.noise.field_of_view_rad = std::max(*rows_.noise.field_of_view_rad, *on.field_of_view_rad);
+    }
+  }
+
+  const LandmarkSensor& SensorOf(const RobotRows& robot) const {
+    return sensors_[static_cast<std::size_t>(&robot - rows_.robots.data())];
+  }
+
   void ReadTruthLandmarks() {
     CsvReader reader = Open(options_.truth_landmarks, {{"landmark", "x_m", "y_m"}});
     rows_.truth_landmarks.emplace();
@@ -278,7 +311,7 @@ class CsvImport {
   }
 
   // Range and bearing, both NaN for a contact detection; false where the line is bad.
-  bool Measurement(CsvReader* reader, double* range, double* bearing) {
+  bool Measurement(const LandmarkSensor& sensor, CsvReader* reader, double* range, double* bearing) {
     *range = *bearing = std::numeric_limits<double>::quiet_NaN();
     if (reader->Text(3).empty() && reader->Text(4).empty()) return true;
     if (reader->Text(3).empty() || reader->Text(4).empty()) {
@@ -295,14 +328,14 @@ class CsvImport {
     *bearing = *b;
     const std::optional<Misreading> misreading = FindMisreading(*range, *bearing, options_.noise);
     if (misreading) reader->Bad(misreading->reason, misreading->detail);
-    options_.sensor.ToRobotFrame(range, bearing);
+    sensor.ToRobotFrame(range, bearing);
     return !misreading;
   }
 
   // By odometry's clock.
-  std::optional<double> ObservationTime(CsvReader* reader) const {
+  std::optional<double> ObservationTime(const RobotRows& robot, CsvReader* reader) const {
     const auto time = reader->Number(kTime);
-    return time ? *time - options_.sensor.late_s : time;
+    return time ? *time - SensorOf(robot).late_s : time;
   }
 
   void ReadObservations() {
@@ -311,11 +344,11 @@ class CsvImport {
     const SkippedRows skipped(bad_);
     std::size_t good = 0;
     while (reader.Next()) {
-      const auto time = ObservationTime(&reader);
-      double range = 0, bearing = 0;
-      if (!time || !Measurement(&reader, &range, &bearing)) continue;
       RobotRows* robot = Robot(&reader);
-      if (robot == nullptr || !InOrder(*time, robot->observations.time_s, &reader)) continue;
+      const auto time = robot != nullptr ? ObservationTime(*robot, &reader) : std::nullopt;
+      double range = 0, bearing = 0;
+      if (!time || !Measurement(SensorOf(*robot), &reader, &range, &bearing)) continue;
+      if (!InOrder(*time, robot->observations.time_s, &reader)) continue;
       if (!reader.Name(2) || !IsName(reader.Text(2), &reader)) continue;
       if (!WhileDriving(*time, robot->odometry.time_s, &reader)) continue;
       const std::int32_t landmark = reader.Text(2).empty() ? -1 : landmarks_.FindOrAdd(reader.Text(2));
@@ -377,9 +410,9 @@ class CsvImport {
     }
     CsvReader reader = Open(options_.truth_associations, {{"time_s", "robot?", "landmark"}});
     while (reader.Next()) {
-      const auto time = ObservationTime(&reader);
-      RobotRows* robot = time ? Robot(&reader) : nullptr;
-      if (robot == nullptr || !IsName(reader.Text(2), &reader)) continue;
+      RobotRows* robot = Robot(&reader);
+      const auto time = robot != nullptr ? ObservationTime(*robot, &reader) : std::nullopt;
+      if (!time || !IsName(reader.Text(2), &reader)) continue;
       if (!reader.Text(2).empty() && truth_.Find(reader.Text(2)) < 0) {
         reader.Bad("unknown landmark", "'" + std::string(reader.Text(2)) +
                                            "' is none of the true landmarks of " + options_.truth_landmarks +
@@ -414,6 +447,7 @@ class CsvImport {
   ImportReport report_;
   LogRows rows_;
   NameIndex robots_, landmarks_, truth_;
+  std::vector<LandmarkSensor> sensors_;       // of each robot
   std::map<std::string, TimeDigits> digits_;  // of each robot's odometry
   bool has_robots_ = true;                    // odometry names them
   bool all_measured_ = true;                  // the true positions of all landmarks that have a name

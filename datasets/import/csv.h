@@ -17,6 +17,7 @@
 //                         landmark empty: a false one. Observations without a row are false too
 #pragma once
 
+#include <map>
 #include <string>
 
 #include "datasets/import/log_rows.h"
@@ -32,7 +33,10 @@ struct CsvImportOptions {
   std::string truth_associations;  // needs truth_landmarks
   bool skip_bad = false;  // skip bad lines and count them by reason, instead of stopping at the first
   NoiseParameters noise;  // max_range_m and field_of_view_rad also refuse what lies beyond
-  LandmarkSensor sensor;  // of the observations, contact detections apart from its mount
+  // Of each robot's sensor where it sits (but for contact detections), and by how much its times are too
+  // late; under the empty name those of the robots that are not named.
+  std::map<std::string, Pose> mounts;
+  std::map<std::string, double> late_s;
 };
 
 // Writes a `log` (schema/FORMAT.md). Robots are in the order in which odometry names them, landmarks by name

@@ -253,7 +253,8 @@ TEST_F(ImportCsvTest, NoiseParametersComeAlong) {
 
 TEST_F(ImportCsvTest, ASensorThatIsLateAndMountedBesideTheRobotIsPutRight) {
   // Half a metre ahead of the robot, turned to its left.
-  options_.sensor = {{0.5, 0, M_PI / 2}, 0.25};
+  options_.mounts[""] = {0.5, 0, M_PI / 2};
+  options_.late_s[""] = 0.25;
   options_.noise.max_range_m = 3;
   options_.noise.field_of_view_rad = 1;
   PutObservations("1.25,Rosa,door,2,0\n2.25,Rosa,,,\n3.25,Rosa,arch,3,-0.5\n");
@@ -271,7 +272,7 @@ TEST_F(ImportCsvTest, ASensorThatIsLateAndMountedBesideTheRobotIsPutRight) {
 }
 
 TEST_F(ImportCsvTest, ASensorThatIsTurnedSeesWhatItSawToTheSide) {
-  options_.sensor.mount.heading_rad = -0.25;
+  options_.mounts[""] = {0, 0, -0.25};
   options_.noise.field_of_view_rad = 1;
   PutObservations("1,Rosa,door,2,0.5\n");
   Import();
@@ -280,8 +281,25 @@ TEST_F(ImportCsvTest, ASensorThatIsTurnedSeesWhatItSawToTheSide) {
   EXPECT_EQ(log_.Scalar<double>("sensor/field_of_view_rad"), 1.5);
 }
 
+TEST_F(ImportCsvTest, EachRobotMayHaveItsOwnMountAndClock) {
+  options_.odometry = folder_.Put(
+      "two.csv", "time_s,robot,turn_rad,forward_m\n0,Rosa,0,0\n0,Otto,0,0\n4,Rosa,0,1\n4,Otto,0,1\n");
+  options_.mounts = {{"", {0, 0, 0.5}}, {"Otto", {0, 0, -0.25}}};
+  options_.late_s = {{"Rosa", 1}};
+  options_.noise.field_of_view_rad = 2;
+  PutObservations("2,Rosa,door,2,0.5\n2,Otto,door,2,0.5\n");
+  Import();
+  EXPECT_EQ(Column<double>("robot/0/observations/time_s"), (std::vector<double>{1}));
+  EXPECT_EQ(Column<double>("robot/1/observations/time_s"), (std::vector<double>{2}));
+  EXPECT_EQ(Column<double>("robot/0/observations/bearing_rad"), (std::vector<double>{1}));
+  EXPECT_EQ(Column<double>("robot/1/observations/bearing_rad"), (std::vector<double>{0.25}));
+  EXPECT_EQ(log_.Scalar<double>("sensor/field_of_view_rad"), 3) << "of the one that sees most";
+  options_.late_s = {{"Rose", 1}};
+  ExpectContains(Failure(), "the sensor's clock of 'Rose': no such robot in ");
+}
+
 TEST_F(ImportCsvTest, TrueAssociationsAreByTheSensorsClockToo) {
-  options_.sensor.late_s = 0.1;
+  options_.late_s[""] = 0.1;
   options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\ndoor,3,0\n");
   options_.truth_associations = folder_.Put("who.csv", "time_s,robot,landmark\n1.1,Rosa,door\n");
   PutObservations("1.1,Rosa,,2,0\n2,Rosa,,2,0\n");
@@ -472,14 +490,12 @@ TEST(ImportCsvData, TakesTheTwentyLoops) {
   int logs = 0;
   for (; index.Next(); ++logs) {
     const std::string loop = folder + std::string(index.Text(0)) + "-" + std::string(index.Text(1)) + "/";
-    const CsvImportOptions options{loop + "odometry.csv.gz",
-                                   loop + "observations.csv",
-                                   loop + "truth_poses.csv.gz",
-                                   loop + "truth_landmarks.csv",
-                                   loop + "truth_associations.csv",
-                                   false,
-                                   {},
-                                   {}};
+    CsvImportOptions options;
+    options.odometry = loop + "odometry.csv.gz";
+    options.observations = loop + "observations.csv";
+    options.truth_poses = loop + "truth_poses.csv.gz";
+    options.truth_landmarks = loop + "truth_landmarks.csv";
+    options.truth_associations = loop + "truth_associations.csv";
     Blob log;
     const ImportReport report = ImportCsv(options, &log);
     EXPECT_EQ(static_cast<double>(report.controls), index.Number(2).value()) << loop;

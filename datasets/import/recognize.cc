@@ -13,6 +13,7 @@
 
 #include "datasets/common/text_file.h"
 #include "datasets/import/csv_reader.h"
+#include "schema/text.h"
 
 namespace cairn::datasets {
 namespace {
@@ -30,18 +31,6 @@ std::string ReadHead(const std::string& path) {
   std::array<char, 1 << 16> text{};
   const int count = gzread(file.get(), text.data(), text.size());
   return count > 0 ? std::string(text.data(), static_cast<std::size_t>(count)) : "";
-}
-
-// As a shell takes it.
-std::string Quoted(const std::string& path) {
-  const bool plain = std::ranges::all_of(path, [](unsigned char c) {
-    return std::isalnum(c) != 0 || c >= 0x80 ||
-           std::string_view("/._-+,:=@%").find(static_cast<char>(c)) != std::string_view::npos;
-  });
-  if (plain && !path.empty()) return path;
-  std::string quoted = "'";
-  for (const char c : path) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
 }
 
 constexpr std::size_t kMostLooked = 50;           // files of a folder
@@ -64,7 +53,7 @@ bool LooksLikeScans(std::string_view header) {
 }
 
 std::optional<Recognized> RecognizeTable(const std::string& path, std::string_view header) {
-  const std::string file = Quoted(path);
+  const std::string file = ShellWord(path);
   const bool pose = HasColumns(header, {"x_", "y_", "time_"});
   if (HasColumns(header, {"time_", "landmark", "range_"}))
     return Recognized{kObservations,
@@ -101,7 +90,7 @@ std::vector<double> NumbersOf(std::string_view line, std::size_t count) {
 }
 
 std::optional<Recognized> RecognizeFile(const std::string& path) {
-  const std::string text = ReadHead(path), file = Quoted(path);
+  const std::string text = ReadHead(path), file = ShellWord(path);
   if (const auto bag = BagName(text)) return Recognized{*bag, "cairn import bag " + file + " log.h5"};
   Lines lines(text);
   while (lines.Next()) {
@@ -175,12 +164,13 @@ std::optional<Recognized> RecognizeTables(const std::vector<std::string>& files)
     if (found && found->what == kObservations) observations.push_back(file);
   }
   if (odometry.size() != 1 || observations.size() != 1) return std::nullopt;
-  return Recognized{"a folder of CSV tables", "cairn import csv --odometry " + Quoted(odometry[0]) +
-                                                  " --observations " + Quoted(observations[0]) + " log.h5"};
+  return Recognized{"a folder of CSV tables", "cairn import csv --odometry " + ShellWord(odometry[0]) +
+                                                  " --observations " + ShellWord(observations[0]) +
+                                                  " log.h5"};
 }
 
 std::optional<Recognized> RecognizeOneFolder(const std::string& path) {
-  const std::string folder = Quoted(path);
+  const std::string folder = ShellWord(path);
   const auto has = [&](const char* name) { return !FindFile(path, name).empty(); };
   if (has("Barcodes.dat"))
     return Recognized{"a folder of MR.CLAM logs", "cairn import mrclam " + folder + " log.h5"};
@@ -193,8 +183,9 @@ std::optional<Recognized> RecognizeOneFolder(const std::string& path) {
   if (has("odometry.csv"))
     return Recognized{
         "a folder of CSV tables",
-        "cairn import csv --odometry " + Quoted(FindFile(path, "odometry.csv")) +
-            (has("observations.csv") ? " --observations " + Quoted(FindFile(path, "observations.csv")) : "") +
+        "cairn import csv --odometry " + ShellWord(FindFile(path, "odometry.csv")) +
+            (has("observations.csv") ? " --observations " + ShellWord(FindFile(path, "observations.csv"))
+                                     : "") +
             " log.h5"};
   if (has("metadata.yaml")) {
     std::error_code ignored;

@@ -1,5 +1,10 @@
+#include <cmath>
+#include <map>
+#include <utility>
+
 #include "coordinator/cli/commands/import/image_reader.h"
 #include "coordinator/cli/commands/import/parts.h"
+#include "coordinator/cli/common/scalar.h"
 #include "coordinator/cli/output/path.h"
 #include "datasets/import/csv.h"
 #include "datasets/import/errors.h"
@@ -14,8 +19,22 @@ namespace {
 
 struct CsvOptions : ImportOutput {
   datasets::CsvImportOptions import;
-  std::string sensor_mount = "0,0,0";
+  std::vector<std::string> mounts, late;
 };
+
+std::pair<std::string, double> ParseLateness(const std::string& text) {
+  const std::size_t number = text.rfind('=') + 1;  // 0 where there is none
+  const auto late_s = ToReal(text.substr(number));
+  if (!late_s || !std::isfinite(*late_s) || number == 1)
+    throw InputError("--sensor-late-s " + text + ": what is meant is SECONDS or ROBOT=SECONDS");
+  return {number == 0 ? "" : text.substr(0, number - 1), *late_s};
+}
+
+template <class T>
+void AddOnce(const char* option, std::pair<std::string, T> one, std::map<std::string, T>* all) {
+  if (!all->insert(one).second)
+    throw InputError(std::string(option) + " is said twice" + (one.first.empty() ? "" : " of " + one.first));
+}
 
 int ImportCsv(const CsvOptions& options, const Invocation&) {
   const datasets::CsvImportOptions& files = options.import;
@@ -23,7 +42,10 @@ int ImportCsv(const CsvOptions& options, const Invocation&) {
                                      files.truth_landmarks, files.truth_associations});
   CheckOverwrite(options.out, options.force);
   datasets::CsvImportOptions import = files;
-  import.sensor.mount = ParseMount("--sensor-mount", options.sensor_mount);
+  for (const std::string& mount : options.mounts)
+    AddOnce("--sensor-mount", ParseMountOfRobot("--sensor-mount", mount), &import.mounts);
+  for (const std::string& late : options.late)
+    AddOnce("--sensor-late-s", ParseLateness(late), &import.late_s);
   Blob log;
   const datasets::ImportReport report = datasets::ImportCsv(import, &log);
   return StoreImport(options, log, report);
@@ -128,14 +150,16 @@ void AddCsv(Command import, Invocation& call) {
   command.Add("--truth-poses", files.truth_poses, "time_s,robot,x_m,y_m,heading_rad");
   command.Add("--truth-landmarks", files.truth_landmarks, "landmark,x_m,y_m");
   command.Add("--truth-associations", files.truth_associations, "time_s,robot,landmark");
-  command.Add(
-      "--sensor-mount", options->sensor_mount,
-      "X,Y,DEGREES: the observations are by a sensor so many metres ahead of the robot's centre and to its "
-      "left, turned to the left");
   command
-      .Add("--sensor-late-s", files.sensor.late_s,
-           "The times of the observations are so much too late by the odometry's clock (early: below 0)")
-      .Within(-1e6, 1e6);
+      .Add("--sensor-mount", options->mounts,
+           "[ROBOT=]X,Y,DEGREES: the observations are by a sensor so many metres ahead of the robot's centre "
+           "and to its left, turned to the left; again for another robot")
+      .OneEachTime();
+  command
+      .Add("--sensor-late-s", options->late,
+           "[ROBOT=]SECONDS: the times of the observations are so much too late by the odometry's clock "
+           "(early: below 0); again for another robot")
+      .OneEachTime();
   AddNoiseOptions(command, files.noise);
   AddOutput(command, *options);
 }

@@ -78,12 +78,14 @@ std::optional<Pose> MountIn(std::string_view text) {
 
 }  // namespace
 
-Pose ParseMount(const std::string& option, const std::string& text) {
-  const auto mount = MountIn(text);
-  if (!mount)
+std::pair<std::string, Pose> ParseMountOfRobot(const std::string& option, const std::string& text) {
+  const std::size_t place = text.rfind('=') + 1;  // 0 where there is none
+  const auto mount = MountIn(std::string_view(text).substr(place));
+  if (!mount || place == 1)
     throw InputError(option + " " + text +
-                     ": what is meant is X,Y,DEGREES: metres ahead and to the left, degrees to the left");
-  return *mount;
+                     ": what is meant is X,Y,DEGREES or ROBOT=X,Y,DEGREES: metres ahead and to the left, "
+                     "degrees to the left");
+  return {place == 0 ? "" : text.substr(0, place - 1), *mount};
 }
 
 std::pair<std::string, Pose> ParseNamedMount(const std::string& text, const std::string& example) {

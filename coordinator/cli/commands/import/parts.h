@@ -26,8 +26,9 @@ int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportRep
 void AddOdometryNoise(Command command, datasets::NoiseParameters& noise);
 void AddSensorNoise(Command command, datasets::NoiseParameters& noise);
 
-// Of "X,Y,DEGREES", what `option` was given: where a sensor sits on its robot. Throws InputError.
-Pose ParseMount(const std::string& option, const std::string& text);
+// Of "X,Y,DEGREES" or "ROBOT=X,Y,DEGREES", what `option` was given: where a sensor sits on its robot. Throws
+// InputError.
+std::pair<std::string, Pose> ParseMountOfRobot(const std::string& option, const std::string& text);
 // Of "NAME=X,Y,DEGREES": where something sits on the robot. Throws InputError that says what is meant, such
 // as `example`.
 std::pair<std::string, Pose> ParseNamedMount(const std::string& text, const std::string& example);
