@@ -6,7 +6,7 @@ set(CAIRN_LINKS_schema "Eigen3::.*|fmt::fmt|protobuf::.*|PkgConfig::CAIRN_XXHASH
 set(CAIRN_LINKS_schema_command_line "fmt::fmt|CLI11::.*")
 set(CAIRN_LINKS_schema_store "schema|PkgConfig::CAIRN_HDF5")
 set(CAIRN_LINKS_schema_wire "schema|PkgConfig::CAIRN_ZMQ")
-set(CAIRN_LINKS_pipelines "schema|pipelines(/.*)?")
+set(CAIRN_LINKS_pipelines "schema|pipelines(/.*)?|PkgConfig::CAIRN_LZ4")
 set(CAIRN_LINKS_pipelines_landmark_learning_error_sum "pipelines")
 set(CAIRN_LINKS_pipelines_landmark_learning_networks "pipelines|pipelines/landmark_learning/error_sum")
 foreach(folder IN ITEMS data optimizer)

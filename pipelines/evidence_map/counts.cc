@@ -5,6 +5,7 @@
 #include <string>
 
 #include "pipelines/common/handed_over.h"
+#include "pipelines/common/packed_bytes.h"
 #include "schema/kinds/fields.h"
 
 namespace cairn::evidence_map {
@@ -117,8 +118,8 @@ Blob ToBlob(const Counts& counts) {
   PutFields("", counts.box, &blob);
   blob.PutScalar("first_column", counts.first_column);
   blob.PutScalar("first_row", counts.first_row);
-  blob.PutVector("free_low", low);
-  blob.PutVector("free_high", high);
+  blob.PutVector("free_low", PackBytes(low));
+  blob.PutVector("free_high", PackBytes(high));
   often.PutInto("free_often", &blob);
   occupied.PutInto("occupied", &blob);
   return blob;
@@ -126,10 +127,11 @@ Blob ToBlob(const Counts& counts) {
 
 void AddTo(const GridBox& grid, const Blob& partial, Totals* totals) {
   const Place place(grid, partial);
-  const auto low = partial.Get<std::uint8_t>("free_low"), high = partial.Get<std::uint8_t>("free_high");
-  RequireSize("free_low", low.size(), static_cast<std::size_t>(place.box.cells()));
-  const bool has_high = !high.empty();
-  if (has_high) RequireSize("free_high", high.size(), low.size());
+  const auto cells = static_cast<std::size_t>(place.box.cells());
+  const auto packed_high = partial.Get<std::uint8_t>("free_high");
+  const bool has_high = !packed_high.empty();
+  const std::vector<std::uint8_t> low = UnpackBytes(partial.Get<std::uint8_t>("free_low"), cells),
+                                  high = UnpackBytes(packed_high, has_high ? cells : 0);
   for (std::int64_t j = 0; j < place.box.rows; ++j) {
     if (!place.HasRow(j)) continue;
     const std::int64_t to = place.CellOf(j, 0), from = j * place.box.columns;
