@@ -5,7 +5,7 @@
 #   deploy/image.sh              makes the package, then build/image/cairn-VERSION.tar
 #   deploy/image.sh --kubectl    with kubectl besides, for `cairn scale kubernetes`: build/image/cairn-kubectl-VERSION.tar
 #   deploy/image.sh --check      also makes a map in it as an ordinary user: with podman, where that can run something
-#                                here; else in the unpacked system, and says so
+#                                here, and the pods of deploy/kubernetes; else in the unpacked system, and says so
 #
 #   --package FILE   a package that is made already
 #   --out DIR        where the archive goes, and beside it the list of its packages (default: build/image)
@@ -17,7 +17,7 @@ set -euo pipefail
 # shellcheck source-path=SCRIPTDIR
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-package='' out=$root/build/image check=false folder=${TMPDIR:-/tmp} suite=bookworm name=cairn more=()
+package='' programs='' out=$root/build/image check=false folder=${TMPDIR:-/tmp} suite=bookworm name=cairn more=()
 while [ $# -gt 0 ]; do
   case $1 in
     --package | --out | --folder | --suite) [ $# -gt 1 ] || fail "$1 needs a value" ;;&
@@ -37,7 +37,10 @@ for program in mmdebstrap python3; do
   command -v "$program" >/dev/null || fail "needs $program: apt-get install $program"
 done
 
-[ -n "$package" ] || package=$(deploy/package.sh --out "$root/build/package" | head -n 1)
+if [ -z "$package" ]; then
+  made=$(deploy/package.sh --out "$root/build/package")
+  package=${made%%$'\n'*} programs=$root/build/release/bin
+fi
 version=$(dpkg-deb -f "$package" Version)
 version=${version%-*}
 epoch=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || date +%s)}
@@ -74,5 +77,5 @@ printf '%s MB to pull, %s MB unpacked\n' "$(($(stat -c %s "$archive") / 1000000)
   "$(($(stat -c %s "$work/root.tar") / 1000000))" >&2
 if $check; then
   rm "$work/root.tar"
-  deploy/package/check_image.sh "$archive" "$name:$version" "$work"
+  deploy/package/check_image.sh "$archive" "$name:$version" "$work" "$programs"
 fi

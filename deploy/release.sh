@@ -64,7 +64,8 @@ make() {
   git archive --format=tar --prefix="cairn-$version/" HEAD | gzip -9n >"$work/cairn-$version.tar.gz"
   section >"$work/CHANGES"
   built_with >"$work/built-with.txt"
-  package=$(deploy/package.sh --out "$work" | head -n 1)
+  packages=$(deploy/package.sh --out "$work")
+  package=${packages%%$'\n'*}
   if $image; then
     deploy/image.sh --package "$package" --out "$work" >/dev/null
     deploy/image.sh --kubectl --package "$package" --out "$work" >/dev/null

@@ -2,7 +2,8 @@
 
 Serves as much of Kubernetes' interface as `cairn scale kubernetes` uses by kubectl: pods and Secrets that are made, listed and
 deleted, garbage collected with their owner. A pod is a process of its container `worker`, its Secret a folder, in place of what
-the template's other container copies. No scheduler, no images, no rights: that takes a real cluster.
+the template's other container copies. No scheduler, no images, no rights: that takes a real cluster. With CAIRN_POD_IMAGE a pod is
+podman's containers of that image, with the rights and limits of its manifest (podman_pod.py).
 """
 
 import json
@@ -15,6 +16,8 @@ import threading
 import urllib.parse
 import uuid
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+import podman_pod
 
 PORT, FOLDER = int(sys.argv[1]), pathlib.Path(sys.argv[2])
 LOCK = threading.Lock()
@@ -48,7 +51,10 @@ def begin_ready_pods():
         worker = next(c for c in pod["spec"]["containers"] if c["name"] == "worker")
         words = [word.replace("/keys/own", str(keys)) for word in worker["command"] + worker["args"]]
         with open(FOLDER / f"{name}.log", "w") as log:
-            RUNNING[name] = subprocess.Popen(words, stdout=log, stderr=log)
+            if podman_pod.IMAGE:
+                RUNNING[name] = podman_pod.start(pod["spec"], keys, FOLDER / f"{name}-data", FOLDER / f"{name}-pod", name, log)
+            else:
+                RUNNING[name] = subprocess.Popen(words, stdout=log, stderr=log)
         pod["status"] = {"phase": "Running"}
         pod["spec"]["nodeName"] = "here"
 
