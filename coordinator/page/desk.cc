@@ -17,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMostPlanning_s = 600;
+constexpr double kMostInspecting_s = 120;             // a file of 4 GB takes half a minute
 constexpr std::uint64_t kLeftFree_bytes = 256 << 20;  // of the disk
 
 std::string NoRoom(std::uint64_t most_bytes) {
@@ -91,14 +92,18 @@ void Upload::Take(const std::string& field, const std::string& file, std::uint64
 Desk::Desk(DeskOptions options)
     : options_(std::move(options)),
       folder_(options_.folder),
+      inspects_(options_.program, folder_.path() / "inspects"),
       plans_(options_.program, folder_.path() / "plans"),
       submits_(options_.program, folder_.path() / "submits") {
-  for (const char* name : {"plans", "submits", "files"}) fs::create_directory(folder_.path() / name);
+  for (const char* name : {"inspects", "plans", "submits", "files"})
+    fs::create_directory(folder_.path() / name);
 }
 
 Desk::~Desk() {
+  inspects_.End();
   plans_.End();
   submits_.End();
+  inspecting_.Stop();
   planning_.Stop();
   submitting_.Stop();
 }
@@ -151,8 +156,8 @@ void Desk::Keep(const std::shared_ptr<Upload>& upload,
 }
 
 void Desk::LookAt(const BroughtFile& file, std::function<void()> then) {
-  Run(&planning_, &plans_, {"inspect", "--json", "--", std::to_string(file.number) + "/" + file.name},
-      kMostPlanning_s, [this, number = file.number, then](const Helper::Outcome& said) {
+  Run(&inspecting_, &inspects_, {"inspect", "--json", "--", std::to_string(file.number) + "/" + file.name},
+      kMostInspecting_s, [this, number = file.number, then](const Helper::Outcome& said) {
         {
           const std::lock_guard lock(mutex_);
           const auto here = std::ranges::find(files_, number, &BroughtFile::number);

@@ -128,7 +128,7 @@ class Desk {
 
   DeskOptions options_;
   OwnFolder folder_;
-  Helper plans_, submits_;
+  Helper inspects_, plans_, submits_;
 
   std::mutex mutex_;  // of all below
   std::vector<BroughtFile> files_;
@@ -136,7 +136,7 @@ class Desk {
   std::uint64_t numbers_ = 0, bytes_ = 0;
   std::vector<std::string> uploads_;  // whose, of each that is under way
 
-  Errands planning_{32}, submitting_{32};  // the last to begin, the first to end
+  Errands inspecting_{32}, planning_{32}, submitting_{32};  // the last to begin, the first to end
 };
 
 // The name that a file gets here, whatever it was called elsewhere.

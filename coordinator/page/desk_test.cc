@@ -72,6 +72,23 @@ TEST_F(DeskTest, AFileIsKeptPieceByPieceAndLookedAtByAnotherProcess) {
   EXPECT_EQ(script_.Words(), "inspect --json -- " + std::to_string(number) + "/hall.h5\n");
 }
 
+TEST_F(DeskTest, AFileThatTakesLongToLookAtKeepsNobodyFromPlanning) {
+  Make(
+      "if [ \"$1\" = inspect ] && [ \"${4#*/}\" = slow.h5 ]; then until [ -e \"$BASE/planned\" ]; do sleep "
+      "0.01; done; fi; "
+      "if [ \"$1\" = run ]; then : >\"$BASE/planned\"; fi; " +
+      std::string(kSaysLog));
+  const std::uint64_t quick = Bring("quick.h5", "x");
+  const auto upload = desk_->Begin(1, "bob");
+  upload->Take("file", "slow.h5", 0, "x");
+  std::promise<void> looked_at, planned;
+  desk_->Keep(upload, [&](std::uint64_t, const std::string&) { looked_at.set_value(); });
+  desk_->Plan({.pipeline = "landmark_map", .file = quick},
+              [&](const Helper::Outcome&) { planned.set_value(); });
+  planned.get_future().get();  // else both would wait for each other
+  looked_at.get_future().get();
+}
+
 TEST_F(DeskTest, WhatANameWasElsewhereLeadsNowhereHere) {
   EXPECT_EQ(PlainName("../../etc/passwd"), "passwd");
   EXPECT_EQ(PlainName("C:\\logs\\hall.h5"), "hall.h5");
