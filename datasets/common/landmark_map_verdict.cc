@@ -200,6 +200,12 @@ Verdict::Doubt OfHoles(const kinds::LandmarkMap& map, Verdict* verdict) {
   return {is_loose(worst) ? Confidence::kLow : Confidence::kFair, text};
 }
 
+// Of two robots each is as loose as the other, and the frame is of one of them: of the other it is said, if
+// of both.
+std::size_t FirstToPlace(const kinds::LandmarkMap& map) {
+  return map.robot.size() == 2 && map.robot[1].place_lead_nats ? 1 : 0;
+}
+
 // Whether names, or enough landmarks in common, say where each robot is in the map of the others.
 Verdict::Doubt OfPlaces(const kinds::LandmarkMap& map, Verdict* verdict) {
   // Of contact detections their order tells a place, too, which the lead does not weigh.
@@ -207,8 +213,7 @@ Verdict::Doubt OfPlaces(const kinds::LandmarkMap& map, Verdict* verdict) {
   std::string loose;
   double least_nats = std::numeric_limits<double>::infinity();
   std::int64_t shared = 0, one_sided = 0;
-  // Of two robots each is as loose as the other: the first one's place is the frame's.
-  for (std::size_t r = map.robot.size() == 2 ? 1 : 0; r < map.robot.size(); ++r) {
+  for (std::size_t r = FirstToPlace(map); r < map.robot.size(); ++r) {
     const kinds::LandmarkMap::Robot& robot = map.robot[r];
     const std::optional<double> nats = robot.place_lead_nats.Optional();
     if (!nats) continue;
@@ -238,7 +243,7 @@ Verdict::Doubt OfOneSided(const kinds::LandmarkMap& map, Verdict* verdict) {
   constexpr std::int64_t kLeast = 3;
   double most = 0;
   std::size_t robot = 0;
-  for (std::size_t r = map.robot.size() == 2 ? 1 : 0; r < map.robot.size(); ++r) {
+  for (std::size_t r = FirstToPlace(map); r < map.robot.size(); ++r) {
     const kinds::LandmarkMap::Robot& of = map.robot[r];
     const auto one_sided = static_cast<double>(of.one_sided_landmarks.Or(0));
     if (of.one_sided_landmarks.Or(0) < kLeast || of.place_lead_nats.Or(0) < kTied_nats) continue;

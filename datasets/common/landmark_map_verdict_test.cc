@@ -355,6 +355,9 @@ TEST(LandmarkMapVerdict, ARobotWhosePlaceIsUncertainIsNamed) {
                            "robot alone may be right"),
             std::string::npos)
       << loose.why;
+  const Verdict placed_second = WithLeads({-5.2, std::nan("")});
+  EXPECT_EQ(placed_second.trust, Confidence::kLow) << "the second one was the frame's";
+  EXPECT_NE(placed_second.why.find("where rob0 is in the map"), std::string::npos) << placed_second.why;
   EXPECT_NE(WithLeads({5.0, 40.0, 9.9}).why.find("where rob0, rob2 is in"), std::string::npos);
   EXPECT_NE(WithLeads({5.0, 40.0, 9.9}).why.find("5.0 nats ahead of the next place"), std::string::npos);
   for (const Verdict& tied : {WithLeads({10.0, 10.0}, 14, 0), WithLeads({std::nan(""), std::nan("")})}) {
@@ -370,6 +373,7 @@ TEST(LandmarkMapVerdict, LandmarksThatOneRobotAloneSawThoughTheOtherLookedThereA
   EXPECT_NE(wrong.why.find("rob1 and the others have 13 landmarks in common, and 5 that one side alone"),
             std::string::npos)
       << wrong.why;
+  EXPECT_EQ(WithLeads({43.1, std::nan("")}, 13, 5).trust, Confidence::kLow);
   EXPECT_EQ(WithLeads({43.1, 43.1}, 20, 3).trust, Confidence::kFair);
   for (const std::int64_t few : {0, 1, 2}) {
     const Verdict healthy = WithLeads({43.1, 43.1}, 14, few);

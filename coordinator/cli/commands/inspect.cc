@@ -44,12 +44,13 @@ bool HasTables(const std::string& kind) {
 
 // What a person can do with the files of a folder, in the order of doing it.
 std::vector<std::string> NextCommands(const std::string& folder, const Found& files) {
-  std::vector<std::string> commands = {"cairn inspect " + folder + "/" + files.front().first};
+  const std::string name = ShellWord(folder);
+  std::vector<std::string> commands = {"cairn inspect " + ShellWord(folder + "/" + files.front().first)};
   const bool results = std::ranges::any_of(files, [](const auto& file) { return IsResult(file.second); });
   if (results) {
-    commands.push_back("cairn report " + folder);
+    commands.push_back("cairn report " + name);
     if (std::ranges::any_of(files, [](const auto& file) { return HasTables(file.second); }))
-      commands.push_back("cairn export csv " + folder + " " + folder + "-tables");
+      commands.push_back("cairn export csv " + name + " " + ShellWord(folder + "-tables"));
   } else {
     commands.push_back("cairn pipelines");
   }
@@ -58,7 +59,7 @@ std::vector<std::string> NextCommands(const std::string& folder, const Found& fi
 
 std::string Doubtful(const std::string& folder, bool unfinished) {
   if (fs::exists(fs::path(folder) / "jobs.sqlite"))
-    return "'" + folder + "' is a coordinator's store; `cairn coordinator --store " + folder +
+    return "'" + folder + "' is a coordinator's store; `cairn coordinator --store " + ShellWord(folder) +
            "` serves it, `cairn status` says what is in it";
   return unfinished
              ? "'" + folder +
