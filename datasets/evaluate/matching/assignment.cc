@@ -1,6 +1,9 @@
 #include "datasets/evaluate/matching/assignment.h"
 
+#include <functional>
 #include <limits>
+#include <queue>
+#include <utility>
 
 #include "schema/error.h"
 
@@ -8,96 +11,109 @@ namespace cairn::datasets {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using MaybeColumn = std::optional<std::size_t>;
 
-// Column `columns_` is a place outside the matrix, where each new row starts its search.
-class Hungarian {
+class Assignment {
  public:
-  explicit Hungarian(const std::vector<std::vector<double>>& costs)
+  Assignment(const std::vector<std::vector<PairCost>>& costs, std::size_t columns, double unassigned)
       : costs_(costs),
-        columns_(costs.empty() ? 0 : costs.front().size()),
-        row_price_(costs.size(), 0.0),
-        column_price_(columns_ + 1, 0.0),
-        row_of_(columns_ + 1, kNone) {}
+        unassigned_(unassigned),
+        row_price_(costs.size()),
+        column_price_(columns),
+        column_of_(costs.size()),
+        row_of_(columns),
+        far_(columns, kInfinity),
+        passed_(columns),
+        came_from_(columns) {}
 
-  std::vector<std::size_t> Solve() {
+  std::vector<MaybeColumn> Solve() {
     for (std::size_t row = 0; row < costs_.size(); ++row) AddRow(row);
-    std::vector<std::size_t> column_of(costs_.size());
-    for (std::size_t column = 0; column < columns_; ++column) {
-      if (row_of_[column] != kNone) column_of[row_of_[column]] = column;
-    }
-    return column_of;
+    return column_of_;
   }
 
  private:
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  using Far = std::pair<double, std::size_t>;  // how far a column is, in reduced costs
 
-  // Shortest augmenting path from `row` to a free column, in reduced costs (Dijkstra).
+  // The shortest path from the row to a column that is free, or to a row that is better left without one.
   void AddRow(std::size_t row) {
-    std::vector<double> slack(columns_, kInfinity);
-    std::vector<std::size_t> came_from(columns_, columns_);
-    std::vector<bool> reached(columns_ + 1, false);
-    row_of_[columns_] = row;
-    std::size_t at = columns_;
-    while (row_of_[at] != kNone) {
-      reached[at] = true;
-      Relax(at, reached, slack, came_from);
-      const std::size_t next = Nearest(reached, slack);
-      Reprice(slack[next], reached, slack);
-      at = next;
-    }
-    while (at != columns_) {
-      row_of_[at] = row_of_[came_from[at]];
-      at = came_from[at];
-    }
-  }
-
-  void Relax(std::size_t at, const std::vector<bool>& reached, std::vector<double>& slack,
-             std::vector<std::size_t>& came_from) const {
-    const std::size_t row = row_of_[at];
-    for (std::size_t column = 0; column < columns_; ++column) {
-      const double reduced = costs_[row][column] - row_price_[row] - column_price_[column];
-      if (!reached[column] && reduced < slack[column]) {
-        slack[column] = reduced;
-        came_from[column] = at;
+    nearest_ = {};
+    std::vector<std::size_t> passed;
+    least_ = {kInfinity, row};
+    Relax(row, 0);
+    MaybeColumn free;
+    while (!nearest_.empty() && nearest_.top().first < least_.first && !free) {
+      const auto [far, column] = nearest_.top();
+      nearest_.pop();
+      if (passed_[column]) continue;  // on a nearer way
+      if (!row_of_[column]) {
+        free = column;
+        least_.first = far;
+      } else {
+        passed.push_back(column);
+        passed_[column] = true;
+        Relax(*row_of_[column], far);
       }
     }
+    Reprice(row, passed);
+    Shift(row, free);
+    for (const std::size_t column : passed) passed_[column] = false;
+    for (const std::size_t column : touched_) far_[column] = kInfinity;
+    touched_.clear();
   }
 
-  std::size_t Nearest(const std::vector<bool>& reached, const std::vector<double>& slack) const {
-    std::size_t nearest = kNone;
-    for (std::size_t column = 0; column < columns_; ++column) {
-      if (!reached[column] && (nearest == kNone || slack[column] < slack[nearest])) nearest = column;
-    }
-    CAIRN_DEMAND(nearest != kNone, "an assignment needs at least as many columns as rows");
-    return nearest;
-  }
-
-  void Reprice(double step, const std::vector<bool>& reached, std::vector<double>& slack) {
-    for (std::size_t column = 0; column <= columns_; ++column) {
-      if (reached[column]) {
-        row_price_[row_of_[column]] += step;
-        column_price_[column] -= step;
-      } else if (column < columns_) {
-        slack[column] -= step;
-      }
+  void Relax(std::size_t row, double far_to_it) {
+    if (const double without = far_to_it + unassigned_ - row_price_[row]; without < least_.first)
+      least_ = {without, row};
+    for (const auto& [column, cost] : costs_[row]) {
+      const double far = far_to_it + cost - row_price_[row] - column_price_[column];
+      if (passed_[column] || far >= far_[column]) continue;  // rounding may make what was passed seem nearer
+      far_[column] = far;
+      came_from_[column] = row;
+      touched_.push_back(column);
+      nearest_.emplace(far, column);
     }
   }
 
-  const std::vector<std::vector<double>>& costs_;
-  std::size_t columns_;
-  std::vector<double> row_price_;
-  std::vector<double> column_price_;
-  std::vector<std::size_t> row_of_;
+  void Reprice(std::size_t row, const std::vector<std::size_t>& passed) {
+    row_price_[row] += least_.first;
+    for (const std::size_t column : passed) {
+      row_price_[*row_of_[column]] += least_.first - far_[column];
+      column_price_[column] -= least_.first - far_[column];
+    }
+  }
+
+  // Each row of the path takes the column that the next one had; the last one the free one, or none.
+  void Shift(std::size_t row, MaybeColumn free) {
+    std::size_t at = free ? came_from_[*free] : least_.second;
+    for (MaybeColumn next = free;;) {
+      const MaybeColumn before = std::exchange(column_of_[at], next);
+      if (next) row_of_[*next] = at;
+      if (at == row) return;
+      next = before;
+      at = came_from_[*before];
+    }
+  }
+
+  const std::vector<std::vector<PairCost>>& costs_;
+  const double unassigned_;
+  std::vector<double> row_price_, column_price_;
+  std::vector<MaybeColumn> column_of_, row_of_;
+  // Of the row that is being added.
+  std::vector<double> far_;
+  std::vector<bool> passed_;
+  std::vector<std::size_t> came_from_, touched_;
+  std::priority_queue<Far, std::vector<Far>, std::greater<>> nearest_;
+  std::pair<double, std::size_t>
+      least_;  // the shortest way to an end, and the row that is left without there
 };
 
 }  // namespace
 
-std::vector<std::size_t> AssignOptimally(const std::vector<std::vector<double>>& costs) {
-  for (const auto& row : costs) {
-    CAIRN_DEMAND(row.size() == costs.front().size() && costs.size() <= row.size(),
-                 "rows <= columns, all equal");
-  }
-  return Hungarian(costs).Solve();
+std::vector<MaybeColumn> AssignOptimally(const std::vector<std::vector<PairCost>>& costs, std::size_t columns,
+                                         double unassigned) {
+  for (const auto& row : costs)
+    for (const PairCost& pair : row) CAIRN_DEMAND(pair.column < columns && pair.cost >= 0, "a pair's cost");
+  return Assignment(costs, columns, unassigned).Solve();
 }
 
 }  // namespace cairn::datasets

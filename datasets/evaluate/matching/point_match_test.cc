@@ -74,6 +74,27 @@ TEST(PointMatch, IsOneToOne) {
   EXPECT_EQ(match.pairs, (std::vector<std::pair<std::size_t, std::size_t>>{{0, 0}, {1, 1}}));
 }
 
+// A square matrix of costs would take 72 GB.
+TEST(PointMatch, OfVeryManyPointsIsFound) {
+  constexpr std::size_t kMany = 94'864;  // 308 squared
+  std::vector<Point> truth, estimate;
+  for (std::size_t k = 0; k < kMany; ++k) {
+    truth.push_back({static_cast<double>(k % 308) * 2, static_cast<double>(k / 308) * 2});
+    estimate.push_back({truth.back().x_m + 0.5, truth.back().y_m});
+  }
+  std::ranges::reverse(estimate);
+  const PointMatch match = MatchPoints(estimate, truth, kAnyPoint);
+  ASSERT_EQ(match.pairs.size(), kMany);
+  for (const auto& [e, t] : match.pairs) ASSERT_EQ(e + t, kMany - 1);
+  EXPECT_NEAR(match.gospa_m, 0.5 * 308, 1e-9);
+}
+
+// Where points lie close together their number counts, not which of them are taken.
+TEST(PointMatch, OfManyInOnePlaceIsFound) {
+  const std::vector<Point> estimate(3'000, {1, 1}), truth(2'000, {1, 2});
+  EXPECT_GE(MatchPoints(estimate, truth, kAnyPoint).pairs.size(), 64U);
+}
+
 TEST(PointMatch, TheCutOffItselfDoesNotMatch) {
   EXPECT_TRUE(MatchPoints({{0, 0}}, {{3, 0}}, kAnyPoint).pairs.empty());
   EXPECT_EQ(MatchPoints({{0, 0}}, {{2.999, 0}}, kAnyPoint).pairs.size(), 1U);
