@@ -158,11 +158,18 @@ Verdict::Doubt OfJumps(const kinds::LandmarkMap& map) {
   if (jumps == 0) return {Confidence::kHigh};
   const auto& identity = map.map.landmark_identity.OrNone();
   const bool nameless = !identity.empty() && std::ranges::all_of(identity, [](int id) { return id < 0; });
-  return {nameless ? Confidence::kLow : Confidence::kFair,
-          fmt::format("odometry does not fit {}, worst at {:.1f} s: did the robot slip, was it carried?{}",
-                      jumps == 1 ? std::string("once") : fmt::format("{} times", jumps),
-                      map.fit.worst_odometry_s.Or(0),
-                      nameless ? " Without names a slip makes landmarks that are not there" : "")};
+  constexpr double kTied_nats = 10;
+  const double lead_nats = map.fit.odometry_break_lead_nats.Or(kTied_nats);
+  return {
+      nameless || lead_nats < kTied_nats ? Confidence::kLow : Confidence::kFair,
+      fmt::format(
+          "odometry does not fit {}, worst at {:.1f} s: did the robot slip, was it carried?{}{}",
+          jumps == 1 ? std::string("once") : fmt::format("{} times", jumps), map.fit.worst_odometry_s.Or(0),
+          lead_nats < kTied_nats
+              ? fmt::format(" It may have been another time, which makes another map, {:.1f} nats behind",
+                            lead_nats)
+              : "",
+          nameless ? " Without names a slip makes landmarks that are not there" : "")};
 }
 
 // A slip of odometry between two halves that share no landmark moves one of them, and nothing else says so.

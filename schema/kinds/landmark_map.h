@@ -137,7 +137,7 @@ struct LandmarkMap {
   struct Fit {
     Texts kind;
     Column<double> stated, found, longest_run_from_s, worst_time_s, worst_sigmas, worst_odometry_s,
-        fewest_common_s, one_sided_s, most_one_sided_s;
+        odometry_break_lead_nats, fewest_common_s, one_sided_s, most_one_sided_s;
     Column<std::int64_t> observations, misfits, longest_run, odometry_misfits, fewest_common, one_sided,
         two_sided, most_one_sided;
     Column<std::int32_t> worst_robot;
@@ -153,6 +153,7 @@ struct LandmarkMap {
       field({"longest_run_from_s", "", Finite()}, &Fit::longest_run_from_s);
       field({"odometry_misfits", "", From(0)}, &Fit::odometry_misfits);
       field({"worst_odometry_s", "", Finite()}, &Fit::worst_odometry_s);
+      field({"odometry_break_lead_nats", "", Finite()}, &Fit::odometry_break_lead_nats);
       field({"fewest_common", "", From(0)}, &Fit::fewest_common);
       field({"fewest_common_s", "", Finite()}, &Fit::fewest_common_s);
       field({"one_sided", "", From(0)}, &Fit::one_sided);

@@ -134,6 +134,48 @@ TEST(SimulatedWorlds, RangesAndBearingsWithIdentities) {
   ExpectTheTruth(Map("base", 3, {.sensor = "range-bearing", .identities = true}), 0.8);
 }
 
+// For a tenth of the drive the odometry says that it stands, and nothing is seen: where it went the landmarks
+// tell that it sees before and after.
+TEST(SimulatedWorlds, OdometryThatStandsStillWhileTheRobotDrives) {
+  Blob log = datasets::SimulateLoop(
+      {.difficulty = "base", .seed = 3, .sensing = {.sensor = "range-bearing", .identities = true}});
+  const auto time = log.Get<double>("robot/0/odometry/time_s");
+  const double from_s = time[time.size() / 2], until_s = time[time.size() * 6 / 10];
+  const auto is_lost = [&](double time_s) { return time_s > from_s && time_s <= until_s; };
+  for (const char* name : {"robot/0/odometry/turn_rad", "robot/0/odometry/forward_m"}) {
+    const auto stored = log.Get<double>(name);
+    std::vector<double> values(stored.begin(), stored.end());
+    for (std::size_t k = 0; k < values.size(); ++k)
+      if (is_lost(time[k])) values[k] = 0;
+    log.PutVector(name, values);
+  }
+  const auto seen_s = log.Get<double>("robot/0/observations/time_s");
+  std::vector<std::int64_t> kept;
+  for (std::size_t i = 0; i < seen_s.size(); ++i)
+    if (!is_lost(seen_s[i])) kept.push_back(static_cast<std::int64_t>(i));
+  const auto keep = [&]<class T>(const std::string& name, T) {
+    const auto stored = log.Get<T>(name);
+    std::vector<T> values;
+    for (const std::int64_t i : kept) values.push_back(stored[static_cast<std::size_t>(i)]);
+    log.PutVector(name, values);
+  };
+  for (const char* name : {"time_s", "range_m", "bearing_rad"})
+    keep(std::string("robot/0/observations/") + name, 0.0);
+  keep("robot/0/observations/landmark", std::int32_t{0});
+  keep("truth/robot/0/observations/landmark", std::int32_t{0});
+  proto::Stage stage;
+  stage.set_name("landmarks");
+  stage.set_pipeline("landmark_map");
+  const BlobPtr result =
+      RunInProcess(*MakePipeline(stage, 3), {{"log", std::make_shared<const Blob>(log.Without("truth/"))}});
+  const datasets::Evaluation score = datasets::Evaluate(*result, log);
+  EXPECT_EQ(score.landmarks->missed, 0);
+  EXPECT_LT(score.landmarks->rmse_m.value(), 0.5);
+  const datasets::Verdict verdict = datasets::LandmarkMapVerdict(*result);
+  EXPECT_LE(verdict.trust, datasets::Confidence::kFair) << verdict.why;
+  EXPECT_NE(verdict.why.find("odometry does not fit once"), std::string::npos) << verdict.why;
+}
+
 // Of the images within a step one counts, so most range-bearing observations are of no landmark: no topology.
 TEST(SimulatedWorlds, RangesAndBearingsWithoutIdentities) {
   ExpectEveryLandmarkAndNoOther(Map("base", 3, {.sensor = "range-bearing"}), 1.0);

@@ -11,8 +11,9 @@ namespace cairn::landmark_map {
 namespace {
 
 constexpr double kAnchor_m = 1e-2;  // standard deviation that holds the first pose: nothing else pulls at it
-constexpr double kLeastDistance_m = 0.01;  // nearer than that there is no bearing
-constexpr double kUnheld = 1e5;            // of an unknown that no residual is of
+constexpr double kLeastDistance_m = 0.01;          // nearer than that there is no bearing
+const Eigen::Vector3d kBroken(100.0, 100.0, 1.0);  // variances of a motion that is broken: m^2, m^2, rad^2
+constexpr double kUnheld = 1e5;                    // of an unknown that no residual is of
 
 // The end of an edge less where its controls lead, in the frame of its beginning, and its derivatives by both
 // nodes.
@@ -122,8 +123,11 @@ JointEquations::JointEquations(const LeastSquaresProblem& problem, const LeastSq
   for (std::size_t r = 0; r < problem.robots.size(); ++r) {
     auto& spreads = spreads_.emplace_back();
     auto& weights = weights_.emplace_back();
-    for (const std::vector<Control>& controls : problem.robots[r].controls) {
-      spreads.push_back(SpreadOf(controls, at.errors[r]));
+    const NodeTrack& track = problem.robots[r];
+    for (std::size_t k = 0; k < track.controls.size(); ++k) {
+      spreads.push_back(SpreadOf(track.controls[k], at.errors[r]));
+      spreads.back().slip.diagonal() += problem.loose;
+      if (track.IsBroken(k)) spreads.back().slip.diagonal() += kBroken;
       weights.push_back(CovarianceOf(spreads.back(), problem.widths[r]).inverse());
     }
   }

@@ -104,4 +104,16 @@ class JointEquations {
   Eigen::VectorXd gradient_, diagonal_;
 };
 
+// J Cov J' of a term, of the unknowns' selected covariances.
+template <int kErrors, int kUnknowns>
+Eigen::Matrix<double, kErrors, kErrors> Fitted(const Eigen::Matrix<double, kErrors, kUnknowns>& by,
+                                               const std::array<int, kUnknowns>& at,
+                                               const PathMatrix::Inverse& inverse) {
+  Eigen::Matrix<double, kUnknowns, kUnknowns> covariance;
+  for (int i = 0; i < kUnknowns; ++i) {
+    for (int j = 0; j <= i; ++j) covariance(i, j) = covariance(j, i) = inverse.At(at[i], at[j]);
+  }
+  return by * covariance * by.transpose();
+}
+
 }  // namespace cairn::landmark_map

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "pipelines/landmark_map/refinement/broken_motion.h"
 #include "pipelines/landmark_map/refinement/joint_covariances.h"
 #include "pipelines/landmark_map/refinement/width_estimate.h"
 #include "schema/kinds/landmark_map.h"
@@ -106,8 +107,8 @@ LeastSquaresPoint TakenUpByOdometry(const LeastSquaresProblem& problem, const Le
 
 // What a point costs under which another start is tried: none of a small problem, for there it takes no time;
 // of a large one half a nat a residual, as right widths give it.
+constexpr std::size_t kSmall = 2000;
 double LeastOfManyTried(const LeastSquaresProblem& problem) {
-  constexpr std::size_t kSmall = 2000;
   const std::size_t sightings = problem.sightings.size();
   return sightings < kSmall ? 0.0 : static_cast<double>(sightings);
 }
@@ -174,6 +175,104 @@ bool Settle(const LeastSquaresProblem& nominal, LeastSquaresProblem* problem, Le
   return true;
 }
 
+// Whether errors are wider than was said or expected, or a motion stands out: else none is broken. Of many
+// observations one broken motion makes no width wider, and stands out where it is.
+bool IsInDoubt(const LeastSquaresProblem& nominal, const LeastSquaresProblem& problem,
+               const LeastSquaresEnd& end) {
+  if (problem.sightings.size() >= kSmall) return false;
+  constexpr double kWider = 1.5;
+  if (problem.noise.range_m > kWider * nominal.noise.range_m ||
+      problem.noise.bearing_rad > kWider * nominal.noise.bearing_rad)
+    return true;
+  for (std::size_t r = 0; r < problem.widths.size(); ++r)
+    if (problem.widths[r].walk_rad_per_sqrt_m > kWider * nominal.widths[r].walk_rad_per_sqrt_m ||
+        problem.widths[r].turn_rad_per_sqrt_rad > kWider * nominal.widths[r].turn_rad_per_sqrt_rad ||
+        problem.widths[r].way_m_per_sqrt_m > kWider * nominal.widths[r].way_m_per_sqrt_m)
+      return true;
+  for (const std::vector<double>& sigmas : EdgeSigmas(problem, end.point))
+    if (std::ranges::any_of(sigmas, [](double sigma) { return sigma >= kJumpSigmas; })) return true;
+  return false;
+}
+
+// The motions during which nothing was seen for longest, so many: there a robot has most time to be carried.
+std::vector<BrokenMotion> LongestMotions(const LeastSquaresProblem& problem, std::size_t most) {
+  std::vector<std::pair<double, BrokenMotion>> motions;
+  for (std::size_t r = 0; r < problem.robots.size(); ++r) {
+    const NodeTrack& track = problem.robots[r];
+    for (std::size_t k = 0; k < track.controls.size(); ++k)
+      if (!track.IsBroken(k)) motions.push_back({track.time_s[k + 1] - track.time_s[k], {r, k}});
+  }
+  std::ranges::stable_sort(motions, std::ranges::greater(), &std::pair<double, BrokenMotion>::first);
+  motions.resize(std::min(motions.size(), most));
+  std::vector<BrokenMotion> longest;
+  for (const auto& [length_s, motion] : motions) longest.push_back(motion);
+  return longest;
+}
+
+// Whether a landmark stands a metre elsewhere.
+bool IsAnotherMap(const LeastSquaresPoint& one, const LeastSquaresPoint& other) {
+  constexpr double kOther_m = 1.0;
+  for (std::size_t l = 0; l < one.landmarks.size(); ++l)
+    if ((one.landmarks[l] - other.landmarks[l]).norm() > kOther_m) return true;
+  return false;
+}
+
+// The least with one more motion left free, of several the one that gives it: those without which the cost
+// falls most, and the longest, for where a path is bent the former need not be it. None promises enough:
+// nothing.
+struct Freed {
+  LeastSquaresProblem problem;
+  LeastSquaresEnd end;
+  std::optional<double> lead_nats = {};  // over the least without another motion, whose map is another one
+};
+std::optional<Freed> WithoutOneMotion(const LeastSquaresProblem& nominal, const LeastSquaresPoint& point) {
+  constexpr std::size_t kMostGain = 4, kLongest = 3;
+  constexpr int kSteps = 15;
+  constexpr double kLook_nats = 15.0;
+  std::vector<BrokenMotion> motions = FindBrokenMotions(nominal, point, kMostGain);
+  std::erase_if(motions, [](const BrokenMotion& motion) { return motion.gain_nats < kLook_nats; });
+  if (motions.empty()) return std::nullopt;
+  for (const BrokenMotion& longest : LongestMotions(nominal, kLongest)) motions.push_back(longest);
+  std::vector<Freed> freed;
+  for (const BrokenMotion& motion : motions) {
+    LeastSquaresProblem without = nominal;
+    without.robots[motion.robot].broken.push_back(motion.edge);
+    // From where it is bent the way may be barred.
+    for (const LeastSquaresPoint& start : {point, TakenUpByOdometry(without, point)}) {
+      freed.push_back({without, Descend(without, start, kSteps, kNearTheLeast)});
+    }
+  }
+  std::ranges::stable_sort(freed, {}, [](const Freed& one) { return one.end.cost; });
+  for (const Freed& other : freed)
+    if (!freed[0].lead_nats && IsAnotherMap(freed[0].end.point, other.end.point))
+      freed[0].lead_nats = other.end.cost - freed[0].end.cost;
+  return std::move(freed[0]);
+}
+
+// A motion that odometry knows nothing of bends the whole path, and where widths are estimated they take it
+// up. Where one more such motion explains so much more that it is believed, it is left free, and all is
+// settled anew.
+std::optional<double> FreeBrokenMotions(LeastSquaresProblem* nominal, LeastSquaresProblem* problem,
+                                        LeastSquaresEnd* end) {
+  std::optional<double> lead_nats;
+  constexpr int kMost = 5;
+  constexpr double kBelieved_nats = 10.0;
+  for (int k = 0; k < kMost && IsInDoubt(*nominal, *problem, *end); ++k) {
+    auto tried = WithoutOneMotion(*nominal, end->point);
+    if (!tried) break;
+    LeastSquaresProblem settled = tried->problem;
+    if (!Settle(tried->problem, &settled, &tried->end)) break;
+    if (NegativeLogDensity(*problem, end->point) - NegativeLogDensity(settled, tried->end.point) <
+        kBelieved_nats)
+      break;
+    *nominal = std::move(tried->problem);
+    *problem = std::move(settled);
+    *end = std::move(tried->end);
+    if (tried->lead_nats) lead_nats = std::min(*tried->lead_nats, lead_nats.value_or(*tried->lead_nats));
+  }
+  return lead_nats;
+}
+
 // A sensor's zero is seldom better than what single ranges err by.
 double OffsetPrior_m(const LeastSquaresProblem& problem) { return problem.noise.range_m; }
 
@@ -198,7 +297,7 @@ bool HasOffset(const LeastSquaresProblem& problem, const LeastSquaresEnd& end) {
 JointRefinement RefineJointly(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
                               const std::vector<RowAssociations>& rows, const Settings& settings,
                               const std::vector<Landmark>& landmarks) {
-  const Built built = Build(log, paths, rows, settings, landmarks);
+  Built built = Build(log, paths, rows, settings, landmarks);
   if (built.problem.sightings.empty()) return {"no observation is of a landmark", landmarks, {}, {}, {}};
   const double em_cost = CostOf(built.problem, built.em);
   constexpr int kMostSteps = 50;
@@ -213,6 +312,8 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
 
   LeastSquaresProblem problem = built.problem;
   bool solved = Settle(built.problem, &problem, &end);
+  const std::optional<double> break_lead_nats =
+      solved ? FreeBrokenMotions(&built.problem, &problem, &end) : std::nullopt;
   if (solved && HasOffset(problem, end)) {
     problem.priors.range_m = OffsetPrior_m(problem);
     solved = Settle(built.problem, &problem, &end);
@@ -230,6 +331,7 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
                           {},
                           FitOf(built.problem, problem, end.point),
                           FindSensorShifts(problem, end.point, built.odometry)};
+  refined.fit.break_lead_nats = break_lead_nats;
   std::vector<bool> seen(landmarks.size(), false);
   for (const Sighting& sighting : problem.sightings) seen[static_cast<std::size_t>(sighting.landmark)] = true;
   for (std::size_t l = 0; l < landmarks.size(); ++l) {

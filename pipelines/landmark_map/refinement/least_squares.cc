@@ -26,6 +26,7 @@ LeastSquaresProblem Beginning(const LeastSquaresProblem& whole, std::size_t sigh
         1, std::ranges::upper_bound(track.time_s, times[sightings - 1]) - track.time_s.begin());
     track.time_s.resize(static_cast<std::size_t>(nodes));
     track.controls.resize(static_cast<std::size_t>(nodes - 1));
+    std::erase_if(track.broken, [&](std::size_t edge) { return edge >= track.controls.size(); });
   }
   std::erase_if(part.sightings, [&](const Sighting& seen) {
     return static_cast<std::size_t>(seen.node) >=

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,9 @@ namespace cairn::landmark_map {
 struct NodeTrack {
   std::vector<double> time_s;                  // [N]
   std::vector<std::vector<Control>> controls;  // [N - 1]
+  std::vector<std::size_t> broken;             // the edges of which odometry tells nothing
+
+  bool IsBroken(std::size_t edge) const { return std::ranges::find(broken, edge) != broken.end(); }
 };
 
 // A landmark seen from a node.
@@ -46,7 +50,8 @@ struct LeastSquaresProblem {
   std::vector<NodeTrack> robots;
   std::vector<Sighting> sightings;  // of one robot in the order of nodes
   int landmarks = 0;
-  std::vector<EdgeWidths> widths;  // [robots]
+  std::vector<EdgeWidths> widths;                   // [robots]
+  Eigen::Vector3d loose = Eigen::Vector3d::Zero();  // variances of each motion besides: m^2, m^2, rad^2
   ObservationNoise noise;
   SightingRepeats repeats;
   SystematicPriors priors;

@@ -1,6 +1,7 @@
 #include "pipelines/landmark_map/refinement/model_fit.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -135,10 +136,12 @@ ModelFit FitOf(const LeastSquaresProblem& nominal, const LeastSquaresProblem& pr
   const std::vector<std::vector<double>> edges = EdgeSigmas(problem, point);
   for (std::size_t r = 0; r < edges.size(); ++r) {
     for (std::size_t k = 0; k < edges[r].size(); ++k) {
-      if (edges[r][k] < kJumpSigmas) continue;
+      const bool broken = problem.robots[r].IsBroken(k);
+      if (edges[r][k] < kJumpSigmas && !broken) continue;
       ++fit.odometry_misfits;
-      if (edges[r][k] > furthest) {
-        furthest = edges[r][k];
+      const double far = broken ? std::numeric_limits<double>::max() : edges[r][k];
+      if (far > furthest) {
+        furthest = far;
         fit.worst_odometry_s = problem.robots[r].time_s[k + 1];
       }
     }
@@ -161,6 +164,7 @@ Blob ModelFit::ToBlob(const std::vector<Landmark>& landmarks, int types) const {
   fit.longest_run_from_s = longest_run_from_s;
   fit.odometry_misfits = odometry_misfits;
   fit.worst_odometry_s = worst_odometry_s;
+  if (break_lead_nats) fit.odometry_break_lead_nats = *break_lead_nats;
   if (fewest_common >= 0) {
     fit.fewest_common = fewest_common;
     fit.fewest_common_s = fewest_common_s;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,9 +36,12 @@ struct ModelFit {
   // The longest run of one robot's observations that do not fit, one after the other.
   std::int64_t longest_run = 0;
   double longest_run_from_s = 0;
-  // Motions between successive nodes from kJumpSigmas on, and when the worst of them ends.
+  // Motions between successive nodes from kJumpSigmas on or broken, and when the worst of them ends.
   std::int64_t odometry_misfits = 0;
   double worst_odometry_s = 0;
+  // Where motions are broken: the lead of the map over one with another motion broken; none: there is no such
+  // map.
+  std::optional<double> break_lead_nats;
   // The fewest landmarks that a robot saw both before and after one time, without a tenth of its observations
   // at either end: where there are none the two halves of its map hang on odometry alone. -1: of no robot.
   std::int64_t fewest_common = -1;

@@ -1,7 +1,6 @@
 #include "pipelines/landmark_map/refinement/width_estimate.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -23,18 +22,6 @@ constexpr double kMostSquareOfMotion = 9.0;
 // matrix and H the sightings', a residual's covariance lacks M^-1 (A + (2 a - b) H) M^-1 with M = A + a H,
 // which is (A + b H)^-1 to first order; in the equations H counts 0.8399, its mean weight.
 constexpr double kHoldingShare = 0.5372 / 0.8399;
-
-// J Cov J' of a term, of the unknowns' selected covariances.
-template <int kErrors, int kUnknowns>
-Eigen::Matrix<double, kErrors, kErrors> Fitted(const Eigen::Matrix<double, kErrors, kUnknowns>& by,
-                                               const std::array<int, kUnknowns>& at,
-                                               const PathMatrix::Inverse& inverse) {
-  Eigen::Matrix<double, kUnknowns, kUnknowns> covariance;
-  for (int i = 0; i < kUnknowns; ++i) {
-    for (int j = 0; j <= i; ++j) covariance(i, j) = covariance(j, i) = inverse.At(at[i], at[j]);
-  }
-  return by * covariance * by.transpose();
-}
 
 constexpr double kMostLog = 1.1;  // of a factor on a width, at a time
 
