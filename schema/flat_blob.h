@@ -38,6 +38,7 @@ class FlatCheck {
   // Once the head has come: what it says, else null; and how many bytes it had.
   const wire::BlobMeta* meta() const { return has_meta_ ? &meta_ : nullptr; }
   std::size_t head_bytes() const { return head_bytes_; }
+  const Hash& hash() const { return hash_; }
 
  private:
   Result<bool> TakeHead(std::span<const std::byte>& bytes);  // false: more of it must come

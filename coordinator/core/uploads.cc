@@ -31,6 +31,11 @@ bool Uploads::Keeps(const Hash& hash) const {
   return std::ranges::any_of(kept_, [&](const auto& kept) { return kept.second.blobs.contains(hash); });
 }
 
+bool Uploads::KeepsFor(const std::string& user, const Hash& hash) const {
+  return std::ranges::any_of(
+      kept_, [&](const auto& kept) { return kept.second.user == user && kept.second.blobs.contains(hash); });
+}
+
 std::set<Hash> Uploads::Writing() const {
   std::set<Hash> hashes;
   for (const auto& [id, upload] : uploads_)
@@ -73,7 +78,7 @@ Uploads::Actions Uploads::Offered(const std::string& peer, const std::string& us
   late_.erase(peer);
   if (bytes == 0) {
     Answer(peer, hash, "an upload of no bytes");
-  } else if (has_(hash)) {
+  } else if (has_(user, hash)) {
     Keep(peer, user, hash, bytes, now_s);
   } else if (uploads_.size() >= options_.waiting) {
     AnswerFailure(
@@ -198,11 +203,11 @@ void Uploads::Settle(double now_s) {
   Grant(now_s);
 }
 
-// One whose blob another brings waits for that, and is answered with it.
+// One whose blob another brings waits for that, and is answered with it where that is the same user's.
 void Uploads::Begin(double now_s) {
   for (auto it = uploads_.begin(); it != uploads_.end();) {
     const Upload& upload = it->second;
-    if (upload.stage != Stage::kWaiting || !has_(upload.hash)) {
+    if (upload.stage != Stage::kWaiting || !has_(upload.user, upload.hash)) {
       ++it;
       continue;
     }

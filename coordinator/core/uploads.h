@@ -77,9 +77,10 @@ using UploadAction =
 class Uploads {
  public:
   using Actions = std::vector<UploadAction>;
-  // `has`: whether the store has a blob already. It is asked before a client is let begin.
-  Uploads(const UploadOptions& options, std::function<bool(const Hash&)> has)
-      : options_(options), has_(std::move(has)) {}
+  // `has`: whether the store has a blob already of which this user need show no bytes any more. It is asked
+  // before a client is let begin.
+  using Has = std::function<bool(const std::string& user, const Hash& hash)>;
+  Uploads(const UploadOptions& options, Has has) : options_(options), has_(std::move(has)) {}
 
   // `user`: whose client it is; empty where there are no keys.
   Actions Offered(const std::string& peer, const std::string& user, const Hash& hash, std::uint64_t bytes,
@@ -96,6 +97,7 @@ class Uploads {
   // What this client has brought: from now on that is its job's.
   std::vector<Hash> Take(const std::string& peer);
   bool Keeps(const Hash& hash) const;  // for a client
+  bool KeepsFor(const std::string& user, const Hash& hash) const;
   // Of this user's: on their way, waiting, or brought and not yet a job's.
   std::uint64_t BytesOf(const std::string& user) const;
   std::set<Hash> Writing() const;    // blobs of which a file is being made
@@ -148,7 +150,7 @@ class Uploads {
   Actions TakeActions() { return std::exchange(actions_, {}); }
 
   const UploadOptions options_;
-  const std::function<bool(const Hash&)> has_;
+  const Has has_;
   UploadMap uploads_;
   std::map<std::string, std::uint64_t> by_peer_;
   std::map<std::string, Kept> kept_;

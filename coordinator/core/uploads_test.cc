@@ -99,7 +99,7 @@ class UploadsTest : public ::testing::Test {
   double now_s_ = 0;
   std::set<Hash> store_;
   Status disk_status_;
-  Uploads uploads_{kSmall, [this](const Hash& hash) { return store_.contains(hash); }};
+  Uploads uploads_{kSmall, [this](const std::string&, const Hash& hash) { return store_.contains(hash); }};
   std::map<std::string, Client> clients_;
   std::map<std::string, int> told_;
   std::deque<UploadAction> disk_;

@@ -30,7 +30,7 @@ Server::Server(const StoreFolder& folder, Transport& transport, JobTable table, 
       files_(folder),
       blobs_(files_, options_.memory_bytes),
       use_(folder.dir(), options_.store_limit_bytes),
-      uploads_(options_.uploads, [this](const Hash& hash) { return blobs_.Has(hash); }),
+      uploads_(options_.uploads, [this](const std::string& user, const Hash& hash) { return HasOf(user, hash); }),
       access_control_(options_.allow_list, options_.key_limits),
       refusals_(log_),
       last_job_number_(table.LastNumber()),
@@ -186,7 +186,7 @@ void Server::Take(const std::string& peer, const std::string& user, wire::Envelo
     case wire::Envelope::kFetch:
       return Serve(peer, envelope.fetch());
     case wire::Envelope::kHave:
-      return Serve(peer, envelope.have());
+      return Serve(peer, user, envelope.have());
     case wire::Envelope::kSubmit:
       return Serve(peer, user, envelope.submit());
     case wire::Envelope::kOffer:

@@ -136,6 +136,7 @@ class Server {
   void NoteWhoAsks(const std::string& peer, const std::string& user, const wire::Envelope& asked);
   void SayWhoAsked(const Answer& answer);
   std::string WhyNotHis(const std::string& user, const wire::JobQuery& query) const;
+  bool HasOf(const std::string& user, const Hash& hash) const;
 
   // server_quotas.cc
   std::string WhyNoMoreJobs(const std::string& user) const;
@@ -147,7 +148,7 @@ class Server {
   // server_requests.cc
   void Serve(const std::string& peer, const wire::Fetch& fetch);
   void ServePart(const std::string& peer, const Hash& hash, const proto::BlobPart& part);
-  void Serve(const std::string& peer, const wire::Have& have);
+  void Serve(const std::string& peer, const std::string& user, const wire::Have& have);
   void Serve(const std::string& peer, const std::string& user, const wire::Submit& submit);
   void Serve(const std::string& peer, const std::string& user, const wire::JobQuery& query);
   void Serve(const std::string& peer, const wire::Clean& clean);

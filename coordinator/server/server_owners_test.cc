@@ -80,6 +80,47 @@ TEST_F(Owners, AJobsInputsAreItsOwners) {
   EXPECT_FALSE(Ask(viewer_, Query("inputs", job)).reply().ok());
 }
 
+// Its hash is in each result, which everybody reads. What he does bring is not kept twice.
+TEST_F(Owners, NobodyGetsAnothersInputByItsHash) {
+  const std::string job = AJob();
+  const wire::NamedBlob log = TextBlob("the log");
+  wire::Message theft = Submission();
+  theft.envelope.mutable_submit()->mutable_job()->set_name("mine");
+  theft.envelope.mutable_submit()->mutable_job()->mutable_stages(0)->set_name("other");
+  wire::Message have;
+  have.envelope.mutable_have()->add_hashes(log.hash.Binary());
+  const auto expect_nothing = [&] {
+    EXPECT_EQ(Ask(other_, have).reply().missing_size(), 1);
+    const wire::Reply refused = Ask(other_, theft).reply();
+    EXPECT_FALSE(refused.ok());
+    ASSERT_EQ(refused.missing_size(), 1) << refused.message();
+    EXPECT_EQ(refused.missing(0), log.hash.Binary());
+    const std::uint64_t bytes = flat_testing::Flat(*log.blob).size();
+    const wire::Envelope offered = Ask(other_, ServerFixture::Offer(log.hash, bytes));
+    EXPECT_TRUE(offered.has_credit()) << "the bytes are wanted: " << offered.ShortDebugString();
+    fixture_.transport.Come("peer of " + other_, ServerFixture::Piece(log.hash, 7, "none of it"), other_);
+    fixture_.Until([&] { return fixture_.server->uploads().size() == 0; });
+  };
+  expect_nothing();
+  EXPECT_EQ(Ask(submitter_, have).reply().missing_size(), 0);
+  EXPECT_EQ(Ask(worker_, have).reply().missing_size(), 0) << "an administrator's";
+  fixture_.Until([&] { return !fixture_.server->core().HasUnsaved(); });
+  fixture_.Start();
+  expect_nothing();
+  EXPECT_EQ(Ask(submitter_, have).reply().missing_size(), 0);
+  ASSERT_TRUE(fixture_.Upload(log, "peer of " + other_, other_).ok());
+  EXPECT_EQ(Ask(other_, have).reply().missing_size(), 0);
+  const wire::Reply taken = Ask(other_, theft).reply();
+  ASSERT_TRUE(taken.ok()) << taken.message();
+  EXPECT_TRUE(Ask(other_, Query("inputs", taken.jobs(0).id())).reply().ok());
+  std::size_t files = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(fixture_.folder->Blobs()))
+    ++files;
+  EXPECT_EQ(files, 1u) << "the same blob twice";
+  EXPECT_TRUE(Ask(submitter_, Query("cancel", job)).reply().ok());
+  EXPECT_EQ(Ask(other_, have).reply().missing_size(), 0) << "another's job needs it";
+}
+
 TEST_F(Owners, OwnersOutliveARestartAndFollowTheNameToANewKey) {
   const std::string job = AJob();
   fixture_.Until([&] { return !fixture_.server->core().HasUnsaved(); });

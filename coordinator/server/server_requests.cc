@@ -106,7 +106,7 @@ void Server::ServePart(const std::string& peer, const Hash& hash, const proto::B
   transport_.Send(peer, std::move(answer));
 }
 
-void Server::Serve(const std::string& peer, const wire::Have& have) {
+void Server::Serve(const std::string& peer, const std::string& user, const wire::Have& have) {
   if (have.hashes_size() > options_.limits.hashes)
     return RefuseJob(peer, wire::RefusalKind::kJob,
                      "a question for more than " + std::to_string(options_.limits.hashes) + " blobs");
@@ -116,7 +116,7 @@ void Server::Serve(const std::string& peer, const wire::Have& have) {
     const Result<Hash> hash = Hash::FromBinary(binary);
     if (!hash.ok())
       return RefuseJob(peer, wire::RefusalKind::kJob, "a question for a blob by what is no content hash");
-    if (!blobs_.Has(hash.value())) reply.envelope.mutable_reply()->add_missing(binary);
+    if (!HasOf(user, hash.value())) reply.envelope.mutable_reply()->add_missing(binary);
   }
   Reply(peer, std::move(reply));
 }
@@ -145,7 +145,7 @@ void Server::Serve(const std::string& peer, const std::string& user, const wire:
     if (!over.empty()) return RefuseAsUnable(peer, wire::RefusalKind::kQuota, over);
   wire::Message missing;
   for (const auto& [name, binary] : job.input_blobs()) {
-    if (blobs_.Has(Hash::FromBinary(binary).value())) continue;
+    if (HasOf(user, Hash::FromBinary(binary).value())) continue;
     missing.envelope.mutable_reply()->set_message("the blob of the input '" + name + "' is missing");
     missing.envelope.mutable_reply()->add_missing(binary);
   }

@@ -110,6 +110,14 @@ std::string Server::WhyNotHis(const std::string& user, const wire::JobQuery& que
          access_control_.NameOf(user) + " is no administrator's (role admin)";
 }
 
+// Whether the store has a blob that this user need not bring, for it came from him. Of another's it is as if
+// there were none: by its hash, which every result tells, nobody gets what he does not have.
+bool Server::HasOf(const std::string& user, const Hash& hash) const {
+  if (!blobs_.Has(hash)) return false;
+  return access_control_.MayCommand(user, "") || uploads_.KeepsFor(user, hash) ||
+         index_.Of(access_control_.OwnerOf(user)).inputs.contains(hash);
+}
+
 // In the job's log, but where that is gone with it.
 void Server::SayWhoAsked(const Answer& answer) {
   const auto asked = asked_by_.find(answer.asker);

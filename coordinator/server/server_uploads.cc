@@ -13,7 +13,7 @@ void Server::Serve(const std::string& peer, const std::string& user, const wire:
     return RefuseJob(
         peer, wire::RefusalKind::kOversized,
         "an input of " + BytesText(offer.bytes()) + "; at most " + BytesText(most) + " are taken");
-  if (const std::string full = use_.WhyNoRoom(offer.bytes()); !full.empty() && !blobs_.Has(hash.value()))
+  if (const std::string full = use_.WhyNoRoom(offer.bytes()); !full.empty() && !HasOf(user, hash.value()))
     return RefuseAsUnable(peer, wire::RefusalKind::kStore, full);
   if (const std::string over = WhyNoMoreInputs(user, {}, offer.bytes()); !over.empty())
     return RefuseAsUnable(peer, wire::RefusalKind::kQuota, over);

@@ -50,6 +50,25 @@ Status Feed(const RegularFile& file, const fs::path& path, bool head_alone, Flat
   return head_alone && check.meta() != nullptr ? Status::Ok() : AboutFile(path, check.Finish());
 }
 
+// Whether both can be read and have the same arrays; `check` has seen the head of the first. What a head says
+// of arrays may be written in more than one way.
+bool AreSame(const fs::path& path, const FlatCheck& check, const fs::path& other) {
+  const Result<RegularFile> a = RegularFile::Open(path), b = RegularFile::Open(other);
+  FlatCheck head(check.hash());
+  if (!a.ok() || !b.ok() || !Feed(b.value(), other, true, head).ok()) return false;
+  const std::uint64_t bytes = a.value().size() - check.head_bytes();
+  if (b.value().size() - head.head_bytes() != bytes) return false;
+  std::vector<std::byte> of_a(kPartBytes), of_b(kPartBytes);
+  for (std::uint64_t at = 0; at < bytes; at += kPartBytes) {
+    const auto count = std::min<std::uint64_t>(kPartBytes, bytes - at);
+    const auto part_a = std::span(of_a).first(count), part_b = std::span(of_b).first(count);
+    const bool read = a.value().ReadAt(part_a, check.head_bytes() + at) == 0 &&
+                      b.value().ReadAt(part_b, head.head_bytes() + at) == 0;
+    if (!read || !std::ranges::equal(part_a, part_b)) return false;
+  }
+  return true;
+}
+
 Result<Array> ReadArray(const RegularFile& file, const fs::path& path, const wire::ArrayMeta& meta,
                         std::uint64_t at) {
   const Shape shape(meta.shape().begin(), meta.shape().end());
@@ -100,6 +119,12 @@ Status FlatFileWriter::Write(std::span<const std::byte> bytes) {
 
 Status FlatFileWriter::Publish(const fs::path& path) {
   if (Status whole = check_->Finish(); !whole.ok()) return whole;
+  std::error_code none;
+  if (fs::exists(path, none)) {
+    if (AreSame(temporary_, *check_, path)) return Status::Ok();
+    if (CheckFlatFile(path, check_->hash()).ok())
+      return {Code::kCorrupt, "another blob of this hash is there, of other content"};
+  }
   if (::fsync(fd_) != 0) return SystemFailure(temporary_, "cannot write", errno);
   if (::close(std::exchange(fd_, -1)) != 0) return SystemFailure(temporary_, "cannot write", errno);
   if (::rename(temporary_.c_str(), path.c_str()) != 0) return SystemFailure(path, "cannot write", errno);

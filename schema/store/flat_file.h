@@ -26,7 +26,8 @@ class FlatFileWriter {
   // The next bytes. As FlatCheck::Add says; kNoSpace, kIo.
   Status Write(std::span<const std::byte> bytes);
   // All has come: checks the content, syncs, renames to `path` in a folder that is there, syncs that folder.
-  // On failure there is nothing at `path`.
+  // On failure there is nothing new at `path`. A whole blob that lies there already stays, and this one goes:
+  // kCorrupt where they differ, for then somebody has made one of the same hash.
   Status Publish(const std::filesystem::path& path);
   // Once, after that: for whoever reads parts of it, and need not read it through before.
   FlatParts TakeParts(const std::filesystem::path& path);

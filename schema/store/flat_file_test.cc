@@ -1,5 +1,6 @@
 #include "schema/store/flat_file.h"
 
+#include <chrono>
 #include <numeric>
 
 #include "schema/flat_blob_testing.h"
@@ -65,6 +66,23 @@ TEST(FlatFile, OfOneThatWasJustWrittenPartsAreReadAsOfOneThatWasReadThrough) {
   Overwrite(temp / "whole", {bytes.begin(), bytes.end()});
   EXPECT_TRUE(parts.Read(RowsPart("range_m", 0, 1)).ok());
   EXPECT_EQ(parts.Read(RowsPart("range_m", 49'999, 1)).status().code(), Code::kCorrupt);
+}
+
+TEST(FlatFile, OneThatIsThereStaysAndOneThatIsDamagedIsReplaced) {
+  const TempFolder temp;
+  const Hash hash = OddBlob().ContentHash();
+  ASSERT_TRUE(Write(temp, Flat(OddBlob()), hash).ok());
+  const auto date = std::filesystem::last_write_time(temp / "whole") - std::chrono::hours(1);
+  std::filesystem::last_write_time(temp / "whole", date);
+  ASSERT_TRUE(Write(temp, Flat(OddBlob()), hash).ok());
+  EXPECT_EQ(std::filesystem::last_write_time(temp / "whole"), date);
+  EXPECT_EQ(temp.Files(), std::vector<std::string>{"whole"});
+  std::string bad = Flat(OddBlob());
+  bad.back() = static_cast<char>(bad.back() ^ 1);
+  const auto bytes = std::as_bytes(std::span(bad));
+  Overwrite(temp / "whole", {bytes.begin(), bytes.end()});
+  ASSERT_TRUE(Write(temp, Flat(OddBlob()), hash).ok());
+  EXPECT_TRUE(CheckFlatFile(temp / "whole", hash).ok());
 }
 
 TEST(FlatFile, WhatIsCutOffOrNotWhatItsHashSaysIsNeverThere) {

@@ -322,7 +322,8 @@ void ShellModel::Restart() {
   world_.Say("the coordinator starts");
   const std::uint64_t process = ++process_;
   core_ = std::make_unique<Core>(world_.faults.core);
-  uploads_ = std::make_unique<Uploads>(kUploads, [this](const Hash& hash) { return memory_.contains(hash); });
+  uploads_ = std::make_unique<Uploads>(
+      kUploads, [this](const std::string&, const Hash& hash) { return memory_.contains(hash); });
   stopped_until_s_ = clock_s_ = 0;
   clock_offset_s_ = world_.rng.Uniform(0, 1e5);  // a clock of its own
   store_.BeginProcess([this, process](const WriteDone& done) {
