@@ -30,7 +30,8 @@ Server::Server(const StoreFolder& folder, Transport& transport, JobTable table, 
       files_(folder),
       blobs_(files_, options_.memory_bytes),
       use_(folder.dir(), options_.store_limit_bytes),
-      uploads_(options_.uploads, [this](const std::string& user, const Hash& hash) { return HasOf(user, hash); }),
+      uploads_(options_.uploads,
+               [this](const std::string& user, const Hash& hash) { return HasOf(user, hash); }),
       access_control_(options_.allow_list, options_.key_limits),
       refusals_(log_),
       last_job_number_(table.LastNumber()),
@@ -69,12 +70,14 @@ void Server::Restore() {
 }
 
 void Server::Step(double timeout_s) {
-  std::vector<Incoming> came = transport_.Poll(gone_.empty() ? timeout_s : 0);
+  std::vector<Incoming> came = transport_.Poll(gone_.empty() && waiting_.empty() ? timeout_s : 0);
   const double began_s = Now();
   // Looked at after the messages came: whoever was taken off the list before he sent one is refused it.
   if (access_control_.Refresh()) EndRevoked();
   const bool behind = !transport_.TookAll();
   const std::set<std::string> gone = behind ? std::set<std::string>() : std::exchange(gone_, {});
+  has_read_ = false;
+  ServeWaiting();
   for (Incoming& incoming : came) Receive(incoming);
   // After its last words, an answer or that it leaves, which were on their way when it was found gone.
   for (const std::string& peer : gone) Handle(WorkerLost{peer});

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -23,6 +24,7 @@
 #include "coordinator/store/disk_writer.h"
 #include "coordinator/store/folder.h"
 #include "coordinator/store/log.h"
+#include "coordinator/store/shared_results.h"
 
 namespace cairn::coordinator {
 
@@ -34,8 +36,9 @@ struct ServerOptions {
   UploadOptions uploads;
   std::uint64_t largest_input_bytes = wire::Limits().message_bytes;  // a worker gets it as one message
   std::uint64_t memory_bytes = 4ull << 30;
-  std::uint64_t store_limit_bytes = 0;  // on disk; 0: none
-  bool drains = false;                  // takes no new jobs
+  std::uint64_t sent_bytes = 1ull << 30;  // of results and inputs, on their way to all who ask for them
+  std::uint64_t store_limit_bytes = 0;    // on disk; 0: none
+  bool drains = false;                    // takes no new jobs
   // The inputs of a private run, which whoever starts it has in files and brings along each time: the store
   // has no copies. None: jobs bring their inputs, and the store keeps them.
   std::optional<std::vector<wire::NamedBlob>> given_inputs;
@@ -155,6 +158,13 @@ class Server {
   void Serve(const std::string& peer, const wire::WorkerQuery& query);
   void RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why);
   void RefuseAsUnable(const std::string& peer, wire::RefusalKind kind, const std::string& why);
+  void AnswerWithBlobs(const std::string& peer, const std::string& user, const wire::JobQuery& query);
+  bool WaitsForResults(const std::string& peer, const std::string& user, const wire::JobQuery& query);
+  void ServeWaiting();
+  std::uint64_t BytesOfResults(const Job& job) const;
+  std::string WhyTooMuchOnItsWay(const std::string& user, std::uint64_t more_bytes);
+  wire::Message AboutJobs(const std::string& user, const std::string& job) const;
+  Result<wire::NamedBlob> PublishedBy(const Job& job, std::size_t stage, const std::filesystem::path& path);
   void AddResults(const std::string& id, wire::Message& reply);
   void AddSoFar(const std::string& id, wire::Message& reply);
   void AddInputs(const std::string& id, wire::Message& reply);
@@ -190,13 +200,22 @@ class Server {
   AccessControl access_control_;
   Refusals refusals_;
   std::map<std::string, std::string> asked_by_;  // "cancelled by desk (Yx8…)", by peer, until it is answered
-  std::set<std::string> questions_;              // peers whose question is with the writer
-  std::set<std::string> told_ended_;             // jobs of which job_ended was told
-  std::set<std::string> warned_;                 // peers that were told once that they have no business here
-  std::uint64_t last_job_number_;                // that was ever given, or lies in the store
-  WaitingLines waiting_lines_;                   // of jobs' logs
-  std::uint64_t log_ticket_ = 0;                 // of the lines that were written last
-  DiskWriter writer_;                            // last: it is joined first
+  // Who asked for results that have yet to be read; a turn reads those of one job.
+  struct Waiting {
+    std::string peer, user;
+    wire::JobQuery query;
+  };
+  std::deque<Waiting> waiting_;
+  bool has_read_ = false;  // in this turn
+  SharedResults results_;
+  std::map<std::string, std::string> sent_to_;  // whose the peers are to whom blobs are on their way
+  std::set<std::string> questions_;             // peers whose question is with the writer
+  std::set<std::string> told_ended_;            // jobs of which job_ended was told
+  std::set<std::string> warned_;                // peers that were told once that they have no business here
+  std::uint64_t last_job_number_;               // that was ever given, or lies in the store
+  WaitingLines waiting_lines_;                  // of jobs' logs
+  std::uint64_t log_ticket_ = 0;                // of the lines that were written last
+  DiskWriter writer_;                           // last: it is joined first
 };
 
 }  // namespace cairn::coordinator

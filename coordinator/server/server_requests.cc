@@ -8,7 +8,6 @@
 #include "coordinator/server/job_limits.h"
 #include "coordinator/server/rights.h"
 #include "coordinator/server/server.h"
-#include "schema/store/blob_file.h"
 #include "schema/text.h"
 
 namespace cairn::coordinator {
@@ -42,19 +41,6 @@ std::string KnownJobs(const std::vector<wire::JobInfo>& jobs) {
   for (std::size_t i = jobs.size() - std::min<std::size_t>(jobs.size(), 10); i < jobs.size(); ++i)
     known += (known.empty() ? "; known: " : ", ") + jobs[i].id();
   return known;
-}
-
-// What a stage of a job has published. kNotFound: nothing yet. kCorrupt: damaged, gone, or not what it made.
-Result<BlobFile> PublishedBy(const Job& job, std::size_t stage, const std::filesystem::path& path) {
-  Result<BlobFile> file = ReadStoredFile(path);
-  const bool all_are_there =
-      job.state == proto::JOB_DONE && job.saving.unpublished.empty() && !job.saving.under_way;
-  if (!file.ok() && file.status().code() == Code::kNotFound && all_are_there)
-    return Status(Code::kCorrupt, path.string() + ": is not there any more");
-  if (file.ok() && stage < job.results.size() &&
-      file.value().blob.Without("provenance/").ContentHash() != job.results[stage])
-    return Status(Code::kCorrupt, path.string() + ": is another result than this job made");
-  return file;
 }
 
 }  // namespace
@@ -198,30 +184,30 @@ void Server::Serve(const std::string& peer, const std::string& user, const wire:
     return RefuseAsUnable(peer, wire::RefusalKind::kQuota, over);
   if (command) return Obey(peer, query, *command);
   if (query.action() == "logs") return AnswerLog(peer, user, query);
-  // Asked again while the answer is on its way, or by who does not read: what is read from the disk here
-  // stays in memory until it is out.
-  const bool wants_blobs =
-      query.action() == "results" || query.action() == "so_far" || query.action() == "inputs";
-  if (wants_blobs && transport_.Unsent(peer) > 0) return;
-  wire::Message reply;
-  reply.envelope.mutable_reply()->set_ok(true);
-  if (query.job().empty())
-    for (wire::JobInfo& info : core_.Jobs()) *reply.envelope.mutable_reply()->add_jobs() = std::move(info);
+  const std::string& action = query.action();
+  if (action == "results" || action == "so_far" || action == "inputs")
+    return AnswerWithBlobs(peer, user, query);
+  Reply(peer, AboutJobs(user, query.job()));
+}
+
+// Of one job, or, where none is named, of all; and what there is to know of the service.
+wire::Message Server::AboutJobs(const std::string& user, const std::string& job) const {
+  wire::Message message;
+  wire::Reply& reply = *message.envelope.mutable_reply();
+  reply.set_ok(true);
+  if (job.empty())
+    for (wire::JobInfo& info : core_.Jobs()) *reply.add_jobs() = std::move(info);
   else
-    *reply.envelope.mutable_reply()->add_jobs() = *core_.Find(query.job());
-  for (wire::JobInfo& info : *reply.envelope.mutable_reply()->mutable_jobs())
+    *reply.add_jobs() = *core_.Find(job);
+  for (wire::JobInfo& info : *reply.mutable_jobs())
     info.set_foreign(!access_control_.MayCommand(user, info.owner()));
-  for (const auto& [kind, count] : refusals_.Counts())
-    (*reply.envelope.mutable_reply()->mutable_refused())[kind] = count;
-  reply.envelope.mutable_reply()->set_may_submit(access_control_.MaySubmit(user));
-  reply.envelope.mutable_reply()->set_warning(Warning());
-  reply.envelope.mutable_reply()->set_store_fails(!store_trouble_.empty());
-  reply.envelope.mutable_reply()->set_store_bytes(use_.bytes());
-  reply.envelope.mutable_reply()->set_store_limit_bytes(use_.limit_bytes());
-  if (query.action() == "results") AddResults(query.job(), reply);
-  if (query.action() == "so_far") AddSoFar(query.job(), reply);
-  if (query.action() == "inputs") AddInputs(query.job(), reply);
-  Reply(peer, std::move(reply));
+  for (const auto& [kind, count] : refusals_.Counts()) (*reply.mutable_refused())[kind] = count;
+  reply.set_may_submit(access_control_.MaySubmit(user));
+  reply.set_warning(Warning());
+  reply.set_store_fails(!store_trouble_.empty());
+  reply.set_store_bytes(use_.bytes());
+  reply.set_store_limit_bytes(use_.limit_bytes());
+  return message;
 }
 
 std::string Server::WhatIsWrong(const wire::WorkerQuery& query) const {
@@ -304,6 +290,92 @@ void Server::Obey(const std::string& peer, const wire::JobQuery& query, JobComma
   }
 }
 
+// Who asks again while the answer is on its way, or does not read, waits for that. Of what is on its way to
+// all there is a bound: each connection has a copy of its own of what it encrypts.
+void Server::AnswerWithBlobs(const std::string& peer, const std::string& user, const wire::JobQuery& query) {
+  if (transport_.Unsent(peer) > 0) return;
+  const bool results = query.action() == "results";
+  const std::uint64_t expected = results ? BytesOfResults(*core_.FindJob(query.job())) : 0;
+  if (const std::string much = WhyTooMuchOnItsWay(user, expected); !much.empty())
+    return RefuseAsUnable(peer, wire::RefusalKind::kQuota, much);
+  if (results && WaitsForResults(peer, user, query)) return;
+  wire::Message reply = AboutJobs(user, query.job());
+  if (results) AddResults(query.job(), reply);
+  if (query.action() == "so_far") AddSoFar(query.job(), reply);
+  if (query.action() == "inputs") AddInputs(query.job(), reply);
+  std::uint64_t bytes = 0;
+  for (const wire::NamedBlob& named : reply.blobs) bytes += named.blob->ByteCount();
+  if (const std::string much = WhyTooMuchOnItsWay(user, bytes); !much.empty())
+    return RefuseAsUnable(peer, wire::RefusalKind::kQuota, much);
+  if (bytes > 0) sent_to_[peer] = user;
+  Reply(peer, std::move(reply));
+}
+
+// Of what one key has asked for no more is on its way than a quarter of all, or one answer.
+std::string Server::WhyTooMuchOnItsWay(const std::string& user, std::uint64_t more_bytes) {
+  std::uint64_t of_all = 0, of_user = 0;
+  std::erase_if(sent_to_, [this](const auto& sent) { return transport_.Unsent(sent.first) == 0; });
+  for (const auto& [peer, whose] : sent_to_) {
+    const std::uint64_t bytes = transport_.Unsent(peer);
+    of_all += bytes;
+    of_user += whose == user ? bytes : 0;
+  }
+  const std::uint64_t most = options_.sent_bytes;
+  const std::string again = " of results and inputs are on their way to ";
+  if (of_all > 0 && of_all + more_bytes > most)
+    return BytesText(of_all) + again + "those who asked before; try again";
+  if (!user.empty() && of_user > 0 && of_user + more_bytes > most / 4)
+    return BytesText(of_user) + again + access_control_.NameOf(user) + "; try again when they are there";
+  return "";
+}
+
+std::uint64_t Server::BytesOfResults(const Job& job) const {
+  std::uint64_t bytes = 0;
+  for (const proto::Stage& stage : job.spec.stages())
+    bytes += results_.Bytes(options_.result_path(job.id, stage.name()));
+  return bytes;
+}
+
+// True: they have to be read, and another's were in this turn. It is answered in a later one.
+bool Server::WaitsForResults(const std::string& peer, const std::string& user, const wire::JobQuery& query) {
+  constexpr std::size_t kMostWaiting = 1024;
+  const Job& job = *core_.FindJob(query.job());
+  const bool at_hand = std::ranges::all_of(job.spec.stages(), [&](const proto::Stage& stage) {
+    return results_.IsAtHand(options_.result_path(job.id, stage.name()));
+  });
+  if (at_hand) return false;
+  if (!std::exchange(has_read_, true)) return false;
+  if (std::ranges::any_of(waiting_, [&](const Waiting& waiting) { return waiting.peer == peer; }))
+    return true;
+  if (waiting_.size() >= kMostWaiting) {
+    RefuseAsUnable(peer, wire::RefusalKind::kQuota, "the service is busy with what others ask; ask again");
+    return true;
+  }
+  wire::JobQuery asked;
+  asked.set_job(query.job());
+  asked.set_action(query.action());
+  waiting_.push_back({peer, user, std::move(asked)});
+  return true;
+}
+
+void Server::ServeWaiting() {
+  for (const Waiting& waiting : std::exchange(waiting_, {})) Serve(waiting.peer, waiting.user, waiting.query);
+}
+
+// What a stage of a job has published. kNotFound: nothing yet. kCorrupt: damaged, gone, or not what it made.
+Result<wire::NamedBlob> Server::PublishedBy(const Job& job, std::size_t stage,
+                                            const std::filesystem::path& path) {
+  Result<SharedResult> file = results_.Read(path);
+  const bool all_are_there =
+      job.state == proto::JOB_DONE && job.saving.unpublished.empty() && !job.saving.under_way;
+  if (!file.ok() && file.status().code() == Code::kNotFound && all_are_there)
+    return Status(Code::kCorrupt, path.string() + ": is not there any more");
+  if (!file.ok()) return file.status();
+  if (stage < job.results.size() && file.value().result != job.results[stage])
+    return Status(Code::kCorrupt, path.string() + ": is another result than this job made");
+  return std::move(file).value().named;
+}
+
 // As they are published. Stages whose results are not there, or not what the job made, are named in the
 // message.
 void Server::AddResults(const std::string& id, wire::Message& reply) {
@@ -311,10 +383,10 @@ void Server::AddResults(const std::string& id, wire::Message& reply) {
   std::string& damaged = *reply.envelope.mutable_reply()->mutable_message();
   for (std::size_t stage = 0; stage < static_cast<std::size_t>(job.spec.stages_size()); ++stage) {
     const std::string& name = job.spec.stages(static_cast<int>(stage)).name();
-    Result<BlobFile> file = PublishedBy(job, stage, options_.result_path(id, name));
+    Result<wire::NamedBlob> file = PublishedBy(job, stage, options_.result_path(id, name));
     if (file.ok()) {
       reply.envelope.mutable_reply()->add_names(name);
-      reply.blobs.push_back(wire::NameBlob(std::make_shared<const Blob>(std::move(file).value().blob)));
+      reply.blobs.push_back(std::move(file).value());
     } else if (file.status().code() != Code::kNotFound) {
       damaged += (damaged.empty() ? "the stage '" : "; the stage '") + name +
                  "': " + ForUsers(file.status()).message();

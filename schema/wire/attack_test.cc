@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -120,6 +123,43 @@ TEST_F(Attack, AStrangerIsNotCountedAsTheWorkerWhoseDescriptorItHas) {
   ASSERT_TRUE(Until([&] { return Heard("worker"); }));
   EXPECT_TRUE(UntilRefused(RefusalKind::kConnections, 8));
   for (const RawTcp& stranger : strangers) EXPECT_TRUE(stranger.IsEnded(kAttackPatience_ms));
+}
+
+// ZeroMQ lets go of what it has encrypted, but the copy is in memory until the peer takes it.
+TEST_F(Attack, AnAnswerCountsUntilItsPeerHasTakenItThoughItIsEncryptedAlready) {
+  Listen();
+  TamperingRelay relay(Port());
+  zmq::socket_t peer = Wicked(viewer_, relay.endpoint());
+  peer.set(zmq::sockopt::rcvtimeo, kAttackPatience_ms);
+  ASSERT_TRUE(Send(peer, Hello("deaf").envelope.SerializeAsString()));
+  ASSERT_TRUE(Until([&] { return HeardOf(viewer_, "deaf"); }));
+  std::promise<void> asleep, awake;
+  relay.Tamper([&, once = std::make_shared<std::once_flag>()](std::string bytes) {
+    std::call_once(*once, [&] {
+      asleep.set_value();
+      awake.get_future().wait();
+    });
+    return bytes;
+  });
+  ASSERT_TRUE(Send(peer, Hello("again").envelope.SerializeAsString()));
+  asleep.get_future().wait();  // it passes nothing on now
+  Blob blob;
+  blob.Put("x", Array::Vector(std::vector<std::uint8_t>(24 << 20)));  // more than the system takes
+  Message answer;
+  answer.envelope.mutable_reply()->set_ok(true);
+  answer.blobs.push_back(NameBlob(std::make_shared<const Blob>(std::move(blob))));
+  ASSERT_TRUE(router_->Send(taken_[0].peer, answer).ok());
+  bool counted = true;
+  for (int waited_ms = 0; counted && waited_ms < 500; waited_ms += 5) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    counted = router_->Unsent(taken_[0].peer) >= 24 << 20;
+  }
+  EXPECT_TRUE(counted);
+  awake.set_value();
+  zmq::message_t frame;
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(peer.recv(frame));
+  EXPECT_EQ(frame.size(), 24U << 20);
+  EXPECT_TRUE(Until([&] { return router_->Unsent(taken_[0].peer) == 0; }));
 }
 
 TEST_F(Attack, ASessionThatIsPlayedAgainSaysNothing) {

@@ -80,11 +80,12 @@ Status ZmqStatus(const std::string& what, const zmq::error_t& error) {
   return {code, what + ": " + error.what()};
 }
 
-Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames, const UnsentBytes& unsent) {
+Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames, const UnsentBytes& unsent,
+                  std::size_t count_as) {
   std::vector<zmq::message_t> parts;
   parts.reserve(2 + frames.arrays.size());
   if (peer != nullptr) parts.emplace_back(peer->data(), peer->size());
-  const std::size_t bytes = unsent ? BytesIn(frames) : 0;
+  const std::size_t bytes = !unsent ? 0 : count_as > 0 ? count_as : BytesIn(frames);
   const bool counted = bytes >= kZeroCopyBytes;
   if (counted && frames.arrays.empty()) {
     parts.push_back(LastFrame(std::move(frames.envelope), BytesOfText, bytes, unsent));

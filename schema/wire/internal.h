@@ -22,9 +22,9 @@ using UnsentBytes = std::shared_ptr<std::atomic<std::size_t>>;
 std::size_t BytesIn(const Frames& frames);
 
 // Sends all frames, without blocking. kNotFound: no such peer. kBusy: its queue is full, or nobody is
-// connected. `unsent`: counts this message, unless it is small.
+// connected. `unsent`: counts this message, unless it is small; `count_as`: as so many bytes, where not 0.
 Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames,
-                  const UnsentBytes& unsent = nullptr);
+                  const UnsentBytes& unsent = nullptr, std::size_t count_as = 0);
 
 // The frames of the next message; empty where none waits. Frames beyond `limits` are thrown away as they
 // come, the first of them kept, so that Decode refuses the message.
