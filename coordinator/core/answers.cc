@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "coordinator/core/core.h"
 #include "coordinator/core/round_facts.h"
 
 namespace cairn::coordinator {
 namespace {
+
+constexpr double kMostTask_s = 1e9;  // thirty years: whoever says more says no time, and sums stay numbers
 
 std::string Seconds(double seconds) { return fmt::format("{:.1f} s", seconds); }
 
@@ -156,7 +157,7 @@ void Core::Count(Job& job, const wire::Done& done, const Worker& worker) {
   if (!job.build) job.build = worker.hello.build();
   ++tally_.tasks_done;
   proto::StageFacts& facts = job.facts.back();
-  if (std::isfinite(done.seconds()) && done.seconds() > 0)  // what a worker says of itself
+  if (done.seconds() > 0 && done.seconds() <= kMostTask_s)  // what a worker says of itself
     facts.set_open_compute_seconds(facts.open_compute_seconds() + done.seconds());
   facts.set_workers(std::max(facts.workers(), static_cast<std::uint32_t>(fleet_.size())));
   auto& hosts = *facts.mutable_hosts();

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "coordinator/core/testing/core_fixture.h"
 
@@ -271,8 +272,9 @@ TEST(CoreJobs, TimesThatCannotBeAreNotCounted) {
   CoreFixture fixture;
   fixture.Submit();
   fixture.Join("w");
-  fixture.AnswerPlan(fixture.Next(), TestStep(2));
-  for (const double seconds : {std::nan(""), -1e300}) {
+  fixture.AnswerPlan(fixture.Next(), TestStep(5));
+  for (const double seconds :
+       {std::nan(""), -1e300, 1.7e308, 1.7e308, std::numeric_limits<double>::infinity()}) {
     const auto task = fixture.Next();
     wire::Done done;
     *done.mutable_key() = task.assign.key();
