@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr double kMostPlanning_s = 600;
 constexpr double kMostInspecting_s = 120;             // a file of 4 GB takes half a minute
+constexpr double kMostSubmitting_s = 3600;            // the same, over a slow line
 constexpr std::uint64_t kLeftFree_bytes = 256 << 20;  // of the disk
 
 std::string NoRoom(std::uint64_t most_bytes) {
@@ -157,7 +158,7 @@ void Desk::Keep(const std::shared_ptr<Upload>& upload,
 
 void Desk::LookAt(const BroughtFile& file, std::function<void()> then) {
   Run(&inspecting_, &inspects_, {"inspect", "--json", "--", std::to_string(file.number) + "/" + file.name},
-      kMostInspecting_s, [this, number = file.number, then](const Helper::Outcome& said) {
+      {.time_s = kMostInspecting_s}, [this, number = file.number, then](const Helper::Outcome& said) {
         {
           const std::lock_guard lock(mutex_);
           const auto here = std::ranges::find(files_, number, &BroughtFile::number);
@@ -203,20 +204,25 @@ std::string Desk::TakeOver(const std::string& job, const fs::path& folder, std::
 void Desk::FromJob(const std::string& job, bool inputs,
                    std::function<void(std::uint64_t, const std::string&)> then) {
   if (job.empty()) return then(0, "Say which job.");
-  std::string folder;
+  std::string folder, full;
+  Most most{.time_s = kMostPlanning_s};
   {
     const std::lock_guard lock(mutex_);
+    full = WhyNoRoom(0, "");
     folder = std::to_string(++numbers_);
+    most.results_bytes = options_.most_bytes - bytes_;
   }
+  if (!full.empty()) return then(0, full);
+  most.results_in = folder_.path() / "files" / folder;
   std::vector<std::string> words = {"results", "--out=" + folder};
   if (inputs) words.emplace_back("--inputs");
   words.insert(words.end(), options_.service.begin(), options_.service.end());
   words.insert(words.end(), {"--", job});
-  Run(&submitting_, &submits_, std::move(words), kMostPlanning_s,
+  Run(&submitting_, &submits_, std::move(words), std::move(most),
       [this, job, folder, then](const Helper::Outcome& said) {
         std::vector<BroughtFile> taken;
         const fs::path from = folder_.path() / "files" / folder;
-        std::string trouble = said.trouble;
+        std::string trouble = said.too_large ? NoRoom(options_.most_bytes) : said.trouble;
         if (trouble.empty()) trouble = TakeOver(job, from, &taken);
         std::error_code ignored;
         fs::remove_all(from, ignored);
@@ -248,10 +254,10 @@ std::filesystem::path Desk::WhereIs(const std::string& number) {
   return {};
 }
 
-void Desk::Run(Errands* errands, Helper* helper, std::vector<std::string> words, double most_s,
+void Desk::Run(Errands* errands, Helper* helper, std::vector<std::string> words, Most most,
                const Said& then) {
-  const bool added = errands->Add([this, helper, words = std::move(words), most_s, then] {
-    then(helper->Run(words, most_s, folder_.path() / "files"));
+  const bool added = errands->Add([this, helper, words = std::move(words), most = std::move(most), then] {
+    then(helper->Run(words, most, folder_.path() / "files"));
   });
   if (!added) then({.printed = "", .trouble = "too much waits already: try again soon"});
 }
@@ -263,7 +269,7 @@ void Desk::Pipelines(std::function<void(const nlohmann::json&, const std::string
     known = pipelines_;
   }
   if (!known.is_null()) return then(known, "");
-  Run(&planning_, &plans_, {"pipelines", "--json"}, kMostPlanning_s,
+  Run(&planning_, &plans_, {"pipelines", "--json"}, {.time_s = kMostPlanning_s},
       [this, then](const Helper::Outcome& said) {
         const nlohmann::json told = nlohmann::json::parse(said.printed, nullptr, false);
         if (!told.is_array()) return then(nlohmann::json::array(), said.trouble);
@@ -304,7 +310,7 @@ void Desk::Plan(const JobOrder& order, Said then) {
   std::vector<std::string> words = WordsOf(order, &trouble);
   if (!trouble.empty()) return then({.printed = "", .trouble = trouble});
   words.insert(words.begin(), {"run", "--dry-run"});
-  Run(&planning_, &plans_, std::move(words), kMostPlanning_s, then);
+  Run(&planning_, &plans_, std::move(words), {.time_s = kMostPlanning_s}, then);
 }
 
 void Desk::Submit(const JobOrder& order, Said then) {
@@ -314,7 +320,7 @@ void Desk::Submit(const JobOrder& order, Said then) {
   words.insert(words.begin(), options_.service.begin(), options_.service.end());
   if (!order.priority.empty()) words.insert(words.begin(), "--priority=" + order.priority);
   words.insert(words.begin(), "submit");
-  Run(&submitting_, &submits_, std::move(words), 0, then);
+  Run(&submitting_, &submits_, std::move(words), {.time_s = kMostSubmitting_s}, then);
 }
 
 }  // namespace cairn::page

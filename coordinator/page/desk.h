@@ -124,7 +124,7 @@ class Desk {
                        std::vector<BroughtFile>* taken);
   std::string PathOf(std::uint64_t number);
   std::vector<std::string> WordsOf(const JobOrder& order, std::string* trouble);
-  void Run(Errands* errands, Helper* helper, std::vector<std::string> words, double most_s, const Said& then);
+  void Run(Errands* errands, Helper* helper, std::vector<std::string> words, Most most, const Said& then);
 
   DeskOptions options_;
   OwnFolder folder_;

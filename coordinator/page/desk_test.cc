@@ -264,6 +264,10 @@ TEST_F(DeskTest, WhatAJobWasMadeOfAndWhatItMadeAreTakenFromTheCoordinator) {
   Make("mkdir \"${2#--out=}\"; printf 0123456789 >\"${2#--out=}/map.h5\"", 9);
   EXPECT_NE(take("3-hall", true).second.find("There is room for"), std::string::npos);
   EXPECT_EQ(FilesOnDisk(), 0u);
+  Make("OUT=${2#--out=}; mkdir \"$OUT\"; while :; do printf 0123456789 >>\"$OUT/.map.h5.part\"; done", 9);
+  EXPECT_NE(take("3-hall", true).second.find("There is room for"), std::string::npos)
+      << "it does not end itself";
+  EXPECT_EQ(FilesOnDisk(), 0u);
   Make("echo 'cairn: cannot hand out the inputs of 3-hall: it belongs to ann' >&2; exit 1");
   EXPECT_EQ(take("3-hall", true).second, "cannot hand out the inputs of 3-hall: it belongs to ann");
 }

@@ -60,20 +60,46 @@ std::string LastLine(std::string text) {
   return Printable(text.starts_with(name) ? text.substr(name.size()) : text, 1000);
 }
 
-// False: it took longer, and was ended.
-bool WaitFor(pid_t pid, double most_s, int* status) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(most_s);
-  for (;;) {
-    const pid_t ended = ::waitpid(pid, status, most_s > 0 ? WNOHANG : 0);
-    if (ended == pid || (ended < 0 && errno != EINTR)) return true;
-    if (most_s <= 0) continue;
-    if (std::chrono::steady_clock::now() > end) break;
+// Also those that are being written, under other names.
+bool IsTooMuch(const Most& most) {
+  if (most.results_in.empty()) return false;
+  std::uint64_t bytes = 0;
+  std::error_code error;
+  for (fs::directory_iterator it(most.results_in, error), end; !error && it != end; it.increment(error)) {
+    std::error_code gone;
+    const bool counts = it->path().filename().string().find(".h5") != std::string::npos;
+    const std::uintmax_t size = counts ? it->file_size(gone) : 0;
+    if (!gone) bytes += size;
+  }
+  return bytes > most.results_bytes;
+}
+
+enum class Ending { kItself, kTime, kResults };
+
+// Whatever takes more is ended, with all that it started.
+Ending WaitFor(pid_t pid, const Most& most, int* status) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(most.time_s);
+  Ending how = Ending::kItself;
+  while (how == Ending::kItself) {
+    const pid_t ended = ::waitpid(pid, status, WNOHANG);
+    if (ended == pid || (ended < 0 && errno != EINTR)) return IsTooMuch(most) ? Ending::kResults : how;
+    if (std::chrono::steady_clock::now() > end) how = Ending::kTime;
+    if (IsTooMuch(most)) how = Ending::kResults;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   ::kill(-pid, SIGKILL);
   while (::waitpid(pid, status, 0) < 0 && errno == EINTR) {
   }
-  return false;
+  return how;
+}
+
+// Under a limit a shell sets that before it becomes the program.
+std::vector<std::string> UnderLimit([[maybe_unused]] std::uint64_t memory_bytes) {
+#ifndef CAIRN_SANITIZED  // the sanitizers take what they take
+  if (memory_bytes > 0)
+    return {"/bin/sh", "-c", "ulimit -v " + std::to_string(memory_bytes / 1024) + " && exec \"$0\" \"$@\""};
+#endif
+  return {};
 }
 
 }  // namespace
@@ -100,10 +126,11 @@ void Helper::End() {
   if (const pid_t pid = running_; pid > 0) ::kill(-pid, SIGKILL);
 }
 
-Helper::Outcome Helper::Run(const std::vector<std::string>& words, double most_s, const fs::path& in) {
+Helper::Outcome Helper::Run(const std::vector<std::string>& words, const Most& most, const fs::path& in) {
   const fs::path said = folder_ / "said", printed = folder_ / "printed";
-  std::vector<std::string> all = words;
-  all.insert(all.begin(), program_);
+  std::vector<std::string> all = UnderLimit(most.memory_bytes);
+  all.push_back(program_);
+  all.insert(all.end(), words.begin(), words.end());
   std::vector<char*> arguments;
   for (std::string& word : all) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -121,19 +148,22 @@ Helper::Outcome Helper::Run(const std::vector<std::string>& words, double most_s
   posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl-C on the terminal is not for it
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   pid_t pid = 0;
-  const int failed = ::posix_spawn(&pid, program_.c_str(), &actions, &attributes, arguments.data(), environ);
+  const int failed = ::posix_spawn(&pid, all[0].c_str(), &actions, &attributes, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
   if (failed != 0) return {.printed = "", .trouble = program_ + " cannot be run: " + std::strerror(failed)};
   running_ = pid;
   if (ending_) ::kill(-pid, SIGKILL);
   int status = 0;
-  const bool in_time = WaitFor(pid, most_s, &status);
+  const Ending how = WaitFor(pid, most, &status);
   running_ = 0;
   Outcome outcome{.printed = TextOf(printed), .trouble = ""};
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return outcome;
+  outcome.too_large = how == Ending::kResults;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && !outcome.too_large) return outcome;
   outcome.bad_input = WIFEXITED(status) && WEXITSTATUS(status) == kBadInput;
-  outcome.trouble = in_time ? LastLine(TextOf(said)) : "it took too long, and was ended";
+  outcome.trouble = how == Ending::kItself ? LastLine(TextOf(said))
+                    : how == Ending::kTime ? "it took too long, and was ended"
+                                           : "its results are too large, and it was ended";
   if (outcome.trouble.empty()) outcome.trouble = "it ended without saying why";
   return outcome;
 }

@@ -5,6 +5,7 @@
 #include <sys/types.h>
 
 #include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -26,20 +27,28 @@ class OwnFolder {
   int lock_ = -1;  // held while this lives
 };
 
+// What it may take before it is ended.
+struct Most {
+  double time_s = 0;
+  std::uint64_t memory_bytes = 0;         // 0: no limit
+  std::filesystem::path results_in = {};  // the .h5 files of this folder …
+  std::uint64_t results_bytes = 0;        // … together
+};
+
 class Helper {
  public:
   struct Outcome {
     std::string printed;     // on its standard output
     std::string trouble;     // the last that it complained of, or why it did not run; empty: it did all
     bool bad_input = false;  // where that is at fault
+    bool too_large = false;  // it was ended for its results
   };
 
   // `folder`: for what it says.
   Helper(std::string program, std::filesystem::path folder)
       : program_(std::move(program)), folder_(std::move(folder)) {}
-  // Waits for it, for `most_s` (0: as long as it takes). In the folder `in`, where one is named. For one
-  // thread.
-  Outcome Run(const std::vector<std::string>& words, double most_s = 0, const std::filesystem::path& in = {});
+  // Waits for it. In the folder `in`, where one is named. For one thread.
+  Outcome Run(const std::vector<std::string>& words, const Most& most, const std::filesystem::path& in = {});
   // From any thread: ends what runs, and whatever runs later.
   void End();
 

@@ -29,15 +29,22 @@ FetchedResults LookInto(const fs::path& folder) {
 }  // namespace
 
 ResultsCache::ResultsCache(ResultsOptions options)
-    : options_(std::move(options)), folder_(options_.folder), helper_(options_.program, folder_.path()) {}
+    : options_(std::move(options)),
+      folder_(options_.folder),
+      helper_(options_.program, folder_.path()),
+      compares_(options_.program, folder_.path() / "compares") {
+  fs::create_directory(folder_.path() / "compares");
+}
 
 ResultsCache::~ResultsCache() {
   helper_.End();
+  compares_.End();
   errands_.Stop();
+  comparing_.Stop();
 }
 
 // What is kept, or what `make` gives on the errands' thread: once for all who wait for it.
-void ResultsCache::Await(const std::string& key, const Make& make, const Then& then) {
+void ResultsCache::Await(Errands* errands, const std::string& key, const Make& make, const Then& then) {
   std::shared_ptr<const FetchedResults> here;
   bool refused = false;
   {
@@ -47,7 +54,7 @@ void ResultsCache::Await(const std::string& key, const Make& make, const Then& t
     } else {
       std::vector<Then>& waiting = awaited_[key];
       waiting.push_back(then);
-      refused = waiting.size() == 1 && !errands_.Add([this, key, make] { Do(key, make); });
+      refused = waiting.size() == 1 && !errands->Add([this, key, make] { Do(key, make); });
       if (refused) awaited_.erase(key);
     }
   }
@@ -56,14 +63,30 @@ void ResultsCache::Await(const std::string& key, const Make& make, const Then& t
 }
 
 void ResultsCache::Fetch(const std::string& job, std::uint32_t stages_done, Then then) {
-  Await(KeyOf(job, stages_done), [this, job](const fs::path& folder) { return Bring(job, folder); }, then);
+  Await(
+      &errands_, KeyOf(job, stages_done), [this, job](const fs::path& folder) { return Bring(job, folder); },
+      then);
 }
 
+// Both are fetched as all results are, and then laid beside each other where nobody waits who wants results.
 void ResultsCache::Compare(const Compared& what, Then then) {
-  Await(
-      "compare " + KeyOf(what.one, what.one_stages) + " " + KeyOf(what.other, what.other_stages) + " " +
-          what.log.string(),
-      [this, what](const fs::path& folder) { return MakeComparison(what, folder); }, then);
+  const auto with = [then](const std::string& job, const std::function<void()>& next) {
+    return [then, job, next](const FetchedResults& results) {
+      if (results.trouble.empty()) return next();
+      then({.folder = results.folder, .trouble = job + ": " + results.trouble});
+    };
+  };
+  const auto compare = [this, what, then] {
+    Await(
+        &comparing_,
+        "compare " + KeyOf(what.one, what.one_stages) + " " + KeyOf(what.other, what.other_stages) + " " +
+            what.log.string(),
+        [this, what](const fs::path& folder) { return MakeComparison(what, folder); }, then);
+  };
+  const auto fetch_other = [this, what, with, compare] {
+    Fetch(what.other, what.other_stages, with(what.other, compare));
+  };
+  Fetch(what.one, what.one_stages, with(what.one, fetch_other));
 }
 
 std::shared_ptr<const FetchedResults> ResultsCache::Fetched(const std::string& job,
@@ -141,7 +164,7 @@ FetchedResults ResultsCache::Bring(const std::string& job, const fs::path& folde
   words.insert(words.end(), options_.service.begin(), options_.service.end());
   words.insert(words.end(), more.begin(), more.end());
   words.insert(words.end(), {"--", job});
-  const std::string trouble = helper_.Run(words).trouble;
+  const std::string trouble = helper_.Run(words, options_.fetching).trouble;
   FetchedResults fetched = LookInto(folder);
   fetched.whole = trouble.empty();
   if (fetched.files.stages.empty())
@@ -150,22 +173,29 @@ FetchedResults ResultsCache::Bring(const std::string& job, const fs::path& folde
   return fetched;
 }
 
+// As it stays whatever becomes of what is kept meanwhile. False: it is not kept any more.
+bool ResultsCache::LayInto(const fs::path& folder, const std::string& job, std::uint32_t stages_done) {
+  const std::lock_guard lock(mutex_);
+  const auto kept = kept_.find(KeyOf(job, stages_done));
+  if (kept == kept_.end()) return false;
+  std::error_code error;
+  fs::copy(kept->second->folder, folder / job,
+           fs::copy_options::create_hard_links | fs::copy_options::recursive, error);
+  return !error;
+}
+
 // The page calls them as their folders are called, which are therefore called as the jobs.
 FetchedResults ResultsCache::MakeComparison(const Compared& what, const fs::path& folder) {
   std::error_code error;
   fs::create_directory(folder, error);
-  for (const auto& [job, stages] :
-       {std::pair(what.one, what.one_stages), std::pair(what.other, what.other_stages)}) {
-    const auto results =
-        Made(KeyOf(job, stages), [this, job = job](const fs::path& in) { return Bring(job, in); });
-    if (!results->trouble.empty()) return {.folder = folder, .trouble = job + ": " + results->trouble};
-    fs::create_directory_symlink(results->folder, folder / job, error);
-    if (error) return {.folder = folder, .trouble = "These two cannot be laid beside each other here."};
-  }
+  if (!LayInto(folder, what.one, what.one_stages) ||
+      (what.other != what.one && !LayInto(folder, what.other, what.other_stages)))
+    return {.folder = folder, .trouble = "These two cannot be laid beside each other here: try again."};
   std::vector<std::string> words = {"report", "--out=" + std::string(kComparison), "--beside=" + what.other};
   if (!what.log.empty()) words.push_back("--log=" + what.log.string());
   words.insert(words.end(), {"--", what.one});
-  const std::string trouble = helper_.Run(words, 0, folder).trouble;
+  const std::string trouble = compares_.Run(words, options_.comparing, folder).trouble;
+  for (const std::string& job : {what.one, what.other}) fs::remove_all(folder / job, error);
   return {.folder = folder, .trouble = trouble.empty() ? "" : "They cannot be compared: " + trouble};
 }
 

@@ -23,6 +23,8 @@ struct ResultsOptions {
   std::vector<std::string> service;  // its options that say which coordinator: --connect …
   std::filesystem::path
       folder;  // for the cache: a folder that nobody else may enter; what earlier processes left there goes
+  Most fetching{.time_s = 600};
+  Most comparing{.time_s = 60, .memory_bytes = std::uint64_t{4} << 30};
 };
 
 class ResultsCache {
@@ -47,18 +49,19 @@ class ResultsCache {
   // In that folder, which goes again where there is trouble.
   using Make = std::function<FetchedResults(const std::filesystem::path& folder)>;
 
-  void Await(const std::string& key, const Make& make, const Then& then);
+  void Await(Errands* errands, const std::string& key, const Make& make, const Then& then);
   void Do(const std::string& key, const Make& make);
   std::shared_ptr<const FetchedResults> Made(const std::string& key, const Make& make);
   FetchedResults Bring(const std::string& job, const std::filesystem::path& folder,
                        const std::vector<std::string>& more = {});
   void BringSoFar(const std::string& job, const std::string& version);
   FetchedResults MakeComparison(const Compared& what, const std::filesystem::path& folder);
+  bool LayInto(const std::filesystem::path& folder, const std::string& job, std::uint32_t stages_done);
   void Keep(const std::string& key, const std::shared_ptr<const FetchedResults>& fetched);
 
   ResultsOptions options_;
   OwnFolder folder_;
-  Helper helper_;
+  Helper helper_, compares_;
 
   std::mutex mutex_;  // of all below
   std::map<std::string, std::shared_ptr<const FetchedResults>> kept_;
@@ -72,7 +75,7 @@ class ResultsCache {
   };
   std::map<std::string, OfRunning> running_;  // jobs of which a map so far was asked for
 
-  Errands errands_{32};  // the last to begin, the first to end
+  Errands errands_{32}, comparing_{32};  // the last to begin, the first to end
 };
 
 }  // namespace cairn::page

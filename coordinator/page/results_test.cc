@@ -135,6 +135,33 @@ TEST_F(ResultsTest, TwoAreLaidBesideEachOtherUnderTheirJobsNames) {
   EXPECT_EQ(compare({"1-a", "2-b", 1, 1}).trouble, "1-a: The results could not be fetched: there is no job");
 }
 
+TEST_F(ResultsTest, AComparisonThatTakesLongKeepsNobodyFromResultsAndIsEnded) {
+  Make(std::string("for JOB; do :; done; if [ $1 = report ]; then "
+                   "ulimit -v >\"$BASE/memory\"; until [ -e \"$BASE/fetched\" ]; do sleep 0.01; done; "
+                   "echo page >comparison.html; [ ! -e \"$BASE/hangs\" ] || exec sleep 3600; else ") +
+       "[ $JOB != 3-c ] || : >\"$BASE/fetched\"; " + kLeavesResults + "; fi");
+  std::promise<FetchedResults> made;
+  cache_->Compare({"1-a", "2-b", 1, 1}, [&](const FetchedResults& results) { made.set_value(results); });
+  EXPECT_EQ(Fetch("3-c").trouble, "");  // else both would wait for each other
+  EXPECT_EQ(made.get_future().get().trouble, "");
+#ifndef CAIRN_SANITIZED
+  EXPECT_EQ(script_.Said("memory"), "4194304\n");
+#endif
+  std::ofstream(base_ / "hangs") << "";
+  cache_ = std::make_unique<ResultsCache>(ResultsOptions{
+      .program = script_.program(), .service = {}, .folder = base_ / "cache", .comparing = {.time_s = 0.2}});
+  std::promise<FetchedResults> ended;
+  cache_->Compare({"1-a", "2-b", 1, 1}, [&](const FetchedResults& results) { ended.set_value(results); });
+  EXPECT_EQ(ended.get_future().get().trouble, "They cannot be compared: it took too long, and was ended");
+}
+
+TEST_F(ResultsTest, AFetchThatHangsIsEnded) {
+  script_.Does("exec sleep 3600");
+  cache_ = std::make_unique<ResultsCache>(ResultsOptions{
+      .program = script_.program(), .service = {}, .folder = base_ / "cache", .fetching = {.time_s = 0.2}});
+  EXPECT_EQ(Fetch("1-a").trouble, "The results could not be fetched: it took too long, and was ended");
+}
+
 TEST_F(ResultsTest, TheFolderGoesWithItsProcessAndWithTheNextWhereItWasKilled) {
   Make(kLeavesResults);
   const fs::path old = base_ / "cache" / "killed";
