@@ -123,7 +123,9 @@ void Desk::Shrink(std::uint64_t bytes) {
 
 std::string Desk::WhyNoRoom(std::uint64_t announced, const std::string& whose) const {
   if (uploads_.size() >= kMostUploads) return "Other uploads are under way: try again soon.";
-  if (std::ranges::count(uploads_, whose) >= std::ptrdiff_t{kMostUploadsOfOne})
+  const auto own = static_cast<std::size_t>(std::ranges::count(uploads_, whose));
+  const bool last_is_kept = own > 0 && uploads_.size() + 1 >= kMostUploads;  // for who has none
+  if (own >= kMostUploadsOfOne || last_is_kept)
     return "Other uploads of yours are under way: try again when they have ended.";
   if (files_.size() >= kMostFiles) return "There are many files here already: remove one that is not needed.";
   if (announced > options_.most_bytes - bytes_) return NoRoom(options_.most_bytes);

@@ -144,12 +144,15 @@ TEST_F(DeskTest, AnUploadThatIsTooLargeIsToldSoAndNotKept) {
 TEST_F(DeskTest, FewUploadsAtATimeAndFewFiles) {
   Make(kSaysLog);
   std::vector<std::shared_ptr<Upload>> uploads;
-  for (std::size_t i = 0; i < Desk::kMostUploads; ++i)
-    uploads.push_back(desk_->Begin(1, i % 2 == 0 ? "bob" : "ann"));
+  for (const char* whose : {"bob", "ann", "bob"}) uploads.push_back(desk_->Begin(1, whose));
+  const auto second = desk_->Begin(1, "ann");
+  second->Take("file", "a.h5", 0, "x");
+  EXPECT_NE(Keep(second).second.find("of yours"), std::string::npos) << "the last place is for who has none";
+  uploads.push_back(desk_->Begin(1, "dan"));
   const auto more = desk_->Begin(1, "cid");
   more->Take("file", "a.h5", 0, "x");
   EXPECT_NE(Keep(more).second.find("Other uploads"), std::string::npos);
-  uploads.pop_back();
+  uploads.resize(2);
   for (std::size_t i = 0; i < Desk::kMostFiles; ++i) EXPECT_NE(Bring("a.h5", "x"), 0u) << i;
   EXPECT_EQ(Bring("a.h5", "x"), 0u);
 }

@@ -40,7 +40,7 @@ struct Arguments {
   bool read_only = false, die_with_parent = false;
 };
 
-constexpr unsigned kConnections = 256, kStreams = 256;
+constexpr unsigned kConnections = 256, kStreams = Site::kMostStreams;
 
 void Declare(cli::Command app, Arguments& a) {
   app.Footer(

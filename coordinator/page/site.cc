@@ -20,6 +20,7 @@ constexpr double kSignOfLife_s = 10;
 constexpr double kListens_s = 8;  // after it was asked for a page does, at the latest
 constexpr std::size_t kMostMade = 256;
 constexpr long kMostOfASession = 64;  // streams
+constexpr long kKept = 64;            // the last of all: for sessions that have none
 
 // In place of a picture that there is not.
 HttpAnswer SentenceAsPicture(const std::string& text) {
@@ -376,12 +377,15 @@ void Site::AnswerPost(const HttpRequest& request, const Reply& reply) {
   });
 }
 
-// One who opens masses of pages leaves room for others.
+// One who opens masses of pages leaves room for others, and whoever signs in again and again does, too.
 void Site::AnswerEvents(const HttpRequest& request, const Reply& reply) {
   std::weak_ptr<int>& of_session = seats_[entrance_.FormToken(request)];
   std::shared_ptr<int> seat = of_session.lock();
   if (!seat) of_session = seat = std::make_shared<int>();
-  if (seat.use_count() > kMostOfASession)
+  const long own = seat.use_count() - 1;
+  long all = -1;  // this request is no stream yet
+  for (const auto& [session, held] : seats_) all += held.use_count();
+  if (own >= kMostOfASession || (own > 0 && all + kKept >= long{kMostStreams}))
     return reply->Send(Sentence(503, "Not live", "<p>Many pages are open.</p>"));
   NoteListener(request);
   reply->Send(WithHeaders({.type = "text/event-stream",

@@ -36,6 +36,7 @@ class Site : public std::enable_shared_from_this<Site> {
   std::variant<std::shared_ptr<coordinator::HttpUpload>, coordinator::HttpAnswer> BeginUpload(
       const coordinator::HttpRequest& request);
 
+  static constexpr unsigned kMostStreams = 256;  // that look on, of all sessions
   // From now on streams end with this sentence.
   void End(const std::string& why);
   // Whether a page was sent a moment ago that has not begun to listen yet: it is to hear that, too.

@@ -308,6 +308,27 @@ TEST_F(SiteTest, OneWhoLooksOnTakesNotAllPlaces) {
   EXPECT_TRUE(Ask("GET", "/events", {{"for", "/"}}).stream) << "one is free again";
 }
 
+TEST_F(SiteTest, OneWhoSignsInAgainAndAgainLeavesPlacesToWhoComesNext) {
+  std::vector<std::shared_ptr<coordinator::HttpStream>> streams;
+  const auto look_on = [&] {
+    streams.push_back(Ask("GET", "/events", {{"for", "/"}}).stream);
+    if (!streams.back()) streams.pop_back();
+    return streams.size();
+  };
+  const auto sign_in = [&] {
+    cookie_.clear();
+    const HttpAnswer welcome = Ask("GET", "/", {{"token", link_.substr(link_.find('=') + 1)}});
+    cookie_ = HeaderOf(welcome, "Set-Cookie").substr(0, HeaderOf(welcome, "Set-Cookie").find(';'));
+  };
+  for (int session = 0; session < 6; ++session) {
+    for (int i = 0; i < 70; ++i) look_on();
+    sign_in();
+  }
+  EXPECT_EQ(streams.size(), 195U) << "three quarters, and one for each of three more sessions";
+  EXPECT_EQ(look_on(), 196U) << "the seventh";
+  EXPECT_EQ(look_on(), 196U) << "has one now";
+}
+
 TEST_F(SiteTest, ForFiftyWhoLookOnAPageIsMadeOnce) {
   std::vector<std::shared_ptr<coordinator::HttpStream>> streams;
   for (int i = 0; i < 50; ++i) streams.push_back(Ask("GET", "/events", {{"for", "/"}, {"q", "hall"}}).stream);
