@@ -122,7 +122,8 @@ Verdict::Doubt OfMisfits(const kinds::LandmarkMap& map) {
               misfits, observations, misfits == 1 ? "does" : "do", worst, time_s,
               moves.empty()
                   ? ""
-                  : "; most of them are of landmark '" + moves + "': does it move, or one that is seen with it? Leave its rows out and look again")};
+                  : "; most of them are of landmark '" + moves +
+                        "': does it move, or one that is seen with it? Leave its rows out and look again")};
 }
 
 // Widths estimated from the residuals that are far from what was stated of a sensor. Where nothing names the
