@@ -252,7 +252,7 @@ class ImageClusters {
     return observations;
   }
 
-  double LogOddsOfLandmark(std::size_t k, double unexplained, double rate) const;
+  double OddsOf(std::size_t k, double unexplained, double rate) const;
 
   double Looked(const Point& position) const {
     double images = 0;
@@ -321,20 +321,11 @@ void ImageClusters::DropWeak() {
   Keep(keep);
 }
 
-// How much likelier it is that landmark k is one, seen `rate` of the times that images look there, than that
-// its observations are false ones that fell together: those that are `unexplained` fall anywhere in what
-// images show, and each of them may have others beside it.
-double ImageClusters::LogOddsOfLandmark(std::size_t k, double unexplained, double rate) const {
-  const double n = count_[k], missed = Looks(k) - n;
-  const double seen = kLooksKnown * rate, not_seen = kLooksKnown - seen;  // of a beta distribution
-  const double landmark = LogChoose(n + missed, n) + LogRising(seen, n) + LogRising(not_seen, missed) -
-                          LogRising(kLooksKnown, n + missed);
+// What is `unexplained` falls anywhere in what images show.
+double ImageClusters::OddsOf(std::size_t k, double unexplained, double rate) const {
   const double images_m2 = view_.area_m2() * static_cast<double>(std::ranges::count(looked_, true));
-  const double beside =
-      std::min(0.5, unexplained * std::numbers::pi * gate_m_ * gate_m_ / images_m2);  // in one image
-  const double chance = std::log(unexplained / n) + LogChoose(n + missed - 1, n - 1) +
-                        (n - 1) * std::log(beside) + missed * std::log1p(-beside);
-  return landmark - chance;
+  const double beside = unexplained * std::numbers::pi * gate_m_ * gate_m_ / images_m2;
+  return LogOddsOfLandmark(count_[k], Looks(k), rate, unexplained, beside);
 }
 
 // The rarest first: what they leave is of no landmark either.
@@ -352,7 +343,7 @@ void ImageClusters::DropAccidental() {
   const double rate = (seen + 1) / (looks + 2);
   std::vector<bool> keep(positions_.size(), true);
   for (const std::size_t k : order) {
-    keep[k] = LogOddsOfLandmark(k, unexplained, rate) > kFew;
+    keep[k] = OddsOf(k, unexplained, rate) > kFew;
     if (!keep[k]) unexplained += count_[k];
   }
   Keep(keep);
@@ -440,6 +431,17 @@ void AppendImages(const RobotSteps& steps, int type, std::size_t robot, const st
     }
     if (!image.seen.empty() || !image.named.empty()) images->push_back(std::move(image));
   }
+}
+
+double LogOddsOfLandmark(double count, double looks, double rate, double false_ones, double beside) {
+  const double missed = looks - count, seen = kLooksKnown * rate,
+               not_seen = kLooksKnown - seen;  // of a beta distribution
+  const double landmark = LogChoose(looks, count) + LogRising(seen, count) + LogRising(not_seen, missed) -
+                          LogRising(kLooksKnown, looks);
+  const double of_one = std::min(0.5, beside);
+  const double chance = std::log(false_ones / count) + LogChoose(looks - 1, count - 1) +
+                        (count - 1) * std::log(of_one) + missed * std::log1p(-of_one);
+  return landmark - chance;
 }
 
 ImageLandmarks FindImageLandmarks(const std::vector<ImageObservations>& images, const ImageRules& rules,

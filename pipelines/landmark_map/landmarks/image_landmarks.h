@@ -63,4 +63,9 @@ struct ImageLandmarks {
 ImageLandmarks FindImageLandmarks(const std::vector<ImageObservations>& images, const ImageRules& rules,
                                   const std::vector<Point>& named = {});
 
+// How much likelier it is, in nats, that `count` of so many looks at a place show a landmark, of which a look
+// shows `rate` as it does of others, than that false observations fell together there, of which there are
+// `false_ones` and `beside` in the place's surroundings a look.
+double LogOddsOfLandmark(double count, double looks, double rate, double false_ones, double beside);
+
 }  // namespace cairn::landmark_map

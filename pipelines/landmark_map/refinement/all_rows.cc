@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "pipelines/landmark_map/refinement/robot_ties.h"
+#include "pipelines/landmark_map/refinement/seen_briefly.h"
+
 namespace cairn::landmark_map {
 namespace {
 
@@ -63,11 +66,18 @@ JointRefinement RefineWithAllRows(const kinds::Log& log, const std::vector<Assoc
             RowsSeenFrom(refined.paths[r], paths[r], *seen[r], among, noise, settings.steps.until_s));
       return now;
     };
-    std::vector<RowAssociations> now = told_apart(refined.landmarks);
-    std::vector<Landmark> kept = *landmarks;
-    const std::vector<bool> keep = WithoutDoubles(refined.landmarks, settings.map.types, seen, now, reach_m);
+    std::vector<Landmark> kept = *landmarks, among = refined.landmarks;
+    std::vector<RowAssociations> now = told_apart(among);
+    const auto placed = PlacedRows(log, refined, now, settings.steps.until_s);
+    const std::vector<Landmark> more =
+        FindSeenBriefly(placed, among, TieSigma_m(placed, refined.fit), reach_m, settings.map.types);
+    if (!more.empty()) {
+      kept.insert(kept.end(), more.begin(), more.end());
+      among.insert(among.end(), more.begin(), more.end());
+      now = told_apart(among);
+    }
+    const std::vector<bool> keep = WithoutDoubles(among, settings.map.types, seen, now, reach_m);
     if (std::ranges::find(keep, false) != keep.end()) {
-      std::vector<Landmark> among = refined.landmarks;
       Keep(keep, &among, &now);
       now = told_apart(among);
       std::vector<RowAssociations> none;

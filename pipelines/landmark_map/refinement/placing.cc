@@ -48,22 +48,9 @@ void AddLooks(std::span<const PlacedRow> rows, Submap* submap) {
   submap->views.push_back(ViewOf(rows));
 }
 
-// How often a point was in view.
-double LooksAt(const Submap& submap, Point at) {
-  double looks = 0;
-  for (const Submap::Look& look : submap.looks) {
-    const Submap::View& view = submap.views[look.view];
-    const double dx = at.x_m - look.from.x_m, dy = at.y_m - look.from.y_m;
-    if (dx * dx + dy * dy > view.reach_m * view.reach_m) continue;
-    const double bearing = WrapAngle(std::atan2(dy, dx) - look.from.heading_rad - view.middle_rad);
-    looks += bearing >= view.right_rad && bearing <= view.left_rad ? 1 : 0;
-  }
-  return looks;
-}
-
 // What it says against a landmark there that the submap does not have it.
 double Against(const Submap& submap, Point at) {
-  return std::min(kMostAgainst, kAgainstALook * submap.detected * LooksAt(submap, at));
+  return std::min(kMostAgainst, kAgainstALook * submap.detected * submap.LooksAt(at));
 }
 
 Point PointOf(const Submap::Seen& seen) { return {seen.x_m, seen.y_m}; }
@@ -218,6 +205,18 @@ std::vector<Pose> Laid(const Submap& all_one, const Submap& all_base, double sig
 
 }  // namespace
 
+double Submap::LooksAt(Point at) const {
+  double count = 0;
+  for (const Look& look : looks) {
+    const View& view = views[look.view];
+    const double dx = at.x_m - look.from.x_m, dy = at.y_m - look.from.y_m;
+    if (dx * dx + dy * dy > view.reach_m * view.reach_m) continue;
+    const double bearing = WrapAngle(std::atan2(dy, dx) - look.from.heading_rad - view.middle_rad);
+    count += bearing >= view.right_rad && bearing <= view.left_rad ? 1 : 0;
+  }
+  return count;
+}
+
 Submap SubmapOf(const std::vector<std::span<const PlacedRow>>& rows) {
   constexpr std::int64_t kLeast = 2;
   Submap submap;
@@ -248,9 +247,10 @@ Submap SubmapOf(const std::vector<std::span<const PlacedRow>>& rows) {
       images += i == 0 || robot[i].time_s != robot[i - 1].time_s ? 1 : 0;
   for (const Submap::Seen& landmark : submap.landmarks) {
     seen += static_cast<double>(landmark.count);
-    looks += LooksAt(submap, PointOf(landmark));
+    looks += submap.LooksAt(PointOf(landmark));
   }
   const double of_all = images > 0 ? static_cast<double>(submap.looks.size()) / images : 1;
+  submap.images_a_look = 1 / of_all;
   submap.detected = looks > 0 ? std::min(1.0, seen * of_all / looks) : 1;
   return submap;
 }

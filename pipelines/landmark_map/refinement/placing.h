@@ -43,6 +43,8 @@ struct Submap {
   std::vector<Look> looks;      // 400 of each robot at most, evenly
   std::vector<View> views;
   double detected = 1;  // of what is in view; by its own landmarks
+  double images_a_look = 1;
+  double LooksAt(Point at) const;  // how many have a point in view
 };
 
 // `rows`: of each robot, by time.
