@@ -2,20 +2,23 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <map>
-#include <numeric>
-#include <optional>
 #include <utility>
 
+#include "pipelines/landmark_map/refinement/joint_equations.h"
 #include "pipelines/landmark_map/refinement/refined_path.h"
 #include "schema/geometry.h"
 
 namespace cairn::landmark_map {
 namespace {
 
-constexpr double kFirst_s = 0.1, kMost_s = 5.0, kFirst_rad = 0.01, kMost_rad = 0.5;
+// Of a sensor: late_s, x_m, y_m, and the heading of its mount.
+using Shift = Eigen::Vector4d;
+const Shift kSmall{0.1, 1e-3, 1e-3, 1e-3}, kMost{10.0, 2.0, 2.0, 0.5};
+
 constexpr int kSteps = 20;
 constexpr double kLeast_nats = 10.0, kLeastEach_nats = 0.02;  // to gain, in all and an observation
 constexpr std::size_t kMostSightings = 2000;                  // that many tell it as well as more
@@ -36,7 +39,7 @@ Odometry Later(Odometry odometry, double late_s) {
   return odometry;
 }
 
-// One robot's observations, among their landmarks, at other times than they say, and what that costs.
+// One robot's observations, among their landmarks, at other times than they say, or from elsewhere on it.
 class Shifted {
  public:
   Shifted(const LeastSquaresProblem& problem, const LeastSquaresPoint& point, const Odometry& odometry,
@@ -62,177 +65,177 @@ class Shifted {
     point_.errors = {point.errors[robot]};
   }
 
-  double CostOfLate(double late_s) const {
-    const Odometry later = Later(odometry_, late_s);
-    LeastSquaresProblem late = problem_;
-    NodeTrack& track = late.robots[0];
+  const LeastSquaresPoint& point() const { return point_; }
+  const std::vector<Sighting>& sightings() const { return problem_.sightings; }
+
+  LeastSquaresProblem Under(const Shift& shift) const {
+    LeastSquaresProblem shifted = problem_;
+    for (Sighting& seen : shifted.sightings) seen = Mounted(seen, shift);
+    if (shift[0] == 0.0) return shifted;
+    const Odometry later = Later(odometry_, shift[0]);
+    NodeTrack& track = shifted.robots[0];
     for (std::size_t k = 0; k < track.controls.size(); ++k)
       track.controls[k] = ControlsBetween(later, track.time_s[k], track.time_s[k + 1]);
-    return Descend(late, point_, kSteps).cost;
+    return shifted;
   }
-  // With the sensor there: the least.
-  LeastSquaresEnd EndOfMount(const Pose& mount) const { return Descend(Mounted(mount), point_, kSteps); }
-  double CostOfMount(const Pose& mount) const { return EndOfMount(mount).cost; }
-  // Where nothing else moves.
-  double CostOfMount(const Pose& mount, const LeastSquaresPoint& at) const {
-    return CostOf(Mounted(mount), at);
+  static Sighting Mounted(Sighting seen, const Shift& shift) {
+    if (seen.contact()) return seen;
+    const Pose place = Compose({shift[1], shift[2], shift[3]}, {seen.x_m, seen.y_m, 0});
+    seen.x_m = place.x_m;
+    seen.y_m = place.y_m;
+    return seen;
   }
-  double sightings() const { return static_cast<double>(problem_.sightings.size()); }
 
  private:
-  LeastSquaresProblem Mounted(const Pose& mount) const {
-    LeastSquaresProblem mounted = problem_;
-    for (Sighting& seen : mounted.sightings) {
-      if (seen.contact()) continue;
-      const Pose place = Compose(mount, {seen.x_m, seen.y_m, 0});
-      seen.x_m = place.x_m;
-      seen.y_m = place.y_m;
-    }
-    return mounted;
-  }
-
   LeastSquaresProblem problem_;
   LeastSquaresPoint point_;
   const Odometry& odometry_;
 };
 
-struct Least {
-  double at = 0.0, gain_nats = 0.0;
-};
-
-// Where the cost is least: twice as far from 0 while that is less, then halfway between. `none`: the cost at
-// 0.
-template <class F>
-Least FindLeast(const F& cost, double none, double first, double most) {
-  constexpr int kHalvings = 3;
-  double from = 0.0, at = first, to, least = cost(at);
-  if (least >= none) least = cost(at = -first);
-  if (least >= none) return {};
-  for (to = 2.0 * at; std::abs(to) <= most; to *= 2.0) {
-    const double further = cost(to);
-    if (further >= least) break;
-    from = std::exchange(at, to);
-    least = further;
-  }
-  for (int k = 0; k < kHalvings; ++k) {
-    const double nearer = std::midpoint(from, at), further = std::midpoint(at, to);
-    if (const double there = cost(nearer); there < least) {
-      to = std::exchange(at, nearer);
-      least = there;
-    } else if (const double beyond = cost(further); beyond < least) {
-      from = std::exchange(at, further);
-      least = beyond;
-    } else {
-      from = nearer;
-      to = further;
-    }
-  }
-  return {at, none - least};
-}
-
-Pose Moved(const Pose& at, const Eigen::Vector3d& by) {
-  return {at.x_m + by.x(), at.y_m + by.y(), at.heading_rad + by.z()};
-}
-
-// A paraboloid through costs about a mount, in units of what it is moved by. Where all else is at its least,
-// the slope is that of the cost where nothing else moves.
-class MountParaboloid {
+// A step of Gauss and Newton in which the shift moves with all other unknowns, which are eliminated: of the
+// normal equations about a point the shift's own part is left (its Schur complement).
+class ShiftEquations {
  public:
-  MountParaboloid(const Shifted& shifted, const Pose& at, const LeastSquaresEnd& end)
-      : shifted_(shifted), at_(at), cost_(end.cost) {
-    constexpr double kSmall = 0.01;
-    for (int i = 0; i < 3; ++i) {
-      const auto cost = [&](double by) {
-        return shifted.CostOfMount(Moved(at, kUnit.cwiseProduct(by * Eigen::Vector3d::Unit(i))), end.point);
-      };
-      slope_[i] = (cost(kSmall) - cost(-kSmall)) / (2.0 * kSmall);
-      up_[i] = Cost(Eigen::Vector3d::Unit(i));
-      curvature_(i, i) = std::max(1e-9, 2.0 * (up_[i] - cost_ - slope_[i]));
+  ShiftEquations(const Shifted& shifted, const Shift& at, const LeastSquaresPoint& point)
+      : problem_(shifted.Under(at)), point_(point), equations_(problem_, point) {
+    constexpr double kDamping = 1e-6;
+    equations_.Evaluate(point, true);
+    cross_ = Eigen::MatrixX4d::Zero(equations_.layout().size(), 4);
+    AddEdges(shifted, at);
+    for (const Sighting& seen : shifted.sightings()) AddSighting(seen, at);
+    solved_ = equations_.Factorise(kDamping);
+    if (!solved_) return;
+    rest_ = equations_.matrix().Solve(equations_.gradient());
+    by_shift_.resize(cross_.rows(), 4);
+    for (int i = 0; i < 4; ++i) by_shift_.col(i) = equations_.matrix().Solve(cross_.col(i));
+    for (int i = 0; i < 4; ++i) {
+      gradient_[i] -= cross_.col(i).dot(rest_);
+      for (int k = 0; k < 4; ++k) matrix_(i, k) -= cross_.col(i).dot(by_shift_.col(k));
     }
   }
 
-  // Along one of them.
-  double GainAlongOne() const { return 0.5 * slope_.cwiseAbs2().cwiseQuotient(curvature_.diagonal()).sum(); }
-  // From here to where it is least; none where that is nowhere.
-  std::optional<Eigen::Vector3d> ToLeast() {
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < i; ++k)
-        curvature_(i, k) = curvature_(k, i) =
-            Cost(Eigen::Vector3d::Unit(i) + Eigen::Vector3d::Unit(k)) - up_[i] - up_[k] + cost_;
-    const Eigen::LLT<Eigen::Matrix3d> solver(curvature_);
-    if (solver.info() != Eigen::Success) return std::nullopt;
-    return kUnit.cwiseProduct(-solver.solve(slope_));
+  // Of the `count` parts of the shift from `first` on; the others stay.
+  Shift Step(int first, int count) const {
+    Shift step = Shift::Zero();
+    if (!solved_) return step;
+    const Eigen::LLT<Eigen::MatrixXd> solver(matrix_.block(first, first, count, count));
+    if (solver.info() == Eigen::Success)
+      step.segment(first, count) = -solver.solve(gradient_.segment(first, count));
+    return step;
+  }
+  // What that step promises.
+  double Gain(int first, int count) const { return -0.5 * gradient_.dot(Step(first, count)); }
+  // Where all else then is.
+  LeastSquaresPoint Moved(const Shift& step) const {
+    return equations_.layout().Moved(point_, -rest_ - by_shift_ * step);
   }
 
  private:
-  inline static const Eigen::Vector3d kUnit{0.1, 0.1, 0.03};  // m, m, rad
-  double Cost(const Eigen::Vector3d& by) const {
-    return shifted_.CostOfMount(Moved(at_, kUnit.cwiseProduct(by)));
+  void AddEdges(const Shifted& shifted, const Shift& at) {
+    const Shift late = Shift::Unit(0) * kSmall[0];
+    const LeastSquaresProblem up = shifted.Under(at + late), down = shifted.Under(at - late);
+    const JointEquations later(up, point_), sooner(down, point_);
+    for (std::size_t k = 0; k < problem_.robots[0].controls.size(); ++k) {
+      Eigen::Matrix<double, 3, 4> by = Eigen::Matrix<double, 3, 4>::Zero();
+      by.col(0) = (later.Edge(point_, 0, k).error - sooner.Edge(point_, 0, k).error) / (2.0 * kSmall[0]);
+      const JointEquations::EdgeTerm term = equations_.Edge(point_, 0, k);
+      Add<3, 9>(term.by, term.at, by, term.error, equations_.Weight(0, k));
+    }
+  }
+  void AddSighting(const Sighting& seen, const Shift& at) {
+    const auto term_under = [&](const Shift& shift) {
+      return equations_.Seen(point_, Shifted::Mounted(seen, shift));
+    };
+    const JointEquations::SightingTerm term = term_under(at);
+    Eigen::Matrix<double, 2, 4> by = Eigen::Matrix<double, 2, 4>::Zero();
+    for (int i = 1; i < 4; ++i) {
+      const Shift small = Shift::Unit(i) * kSmall[i];
+      by.col(i) =
+          (term_under(at + small).residual.error - term_under(at - small).residual.error) / (2.0 * kSmall[i]);
+    }
+    const double weight = equations_.Weight(term.residual, seen);
+    Add<2, 6>(term.by, term.at, by, term.residual.error,
+              Eigen::Matrix2d(weight * Eigen::Matrix2d::Identity()));
+  }
+  template <int kErrors, int kUnknowns>
+  void Add(const Eigen::Matrix<double, kErrors, kUnknowns>& by_unknown, const std::array<int, kUnknowns>& at,
+           const Eigen::Matrix<double, kErrors, 4>& by_shift, const Eigen::Matrix<double, kErrors, 1>& error,
+           const Eigen::Matrix<double, kErrors, kErrors>& weight) {
+    const Eigen::Matrix<double, kErrors, 4> weighted = weight * by_shift;
+    gradient_ += weighted.transpose() * error;
+    matrix_ += weighted.transpose() * by_shift;
+    const Eigen::Matrix<double, kUnknowns, 4> cross = by_unknown.transpose() * weighted;
+    for (int k = 0; k < kUnknowns; ++k) cross_.row(at[k]) += cross.row(k);
   }
 
-  const Shifted& shifted_;
-  Pose at_;
-  double cost_;
-  Eigen::Vector3d slope_, up_;
-  Eigen::Matrix3d curvature_ = Eigen::Matrix3d::Zero();
+  LeastSquaresProblem problem_;
+  const LeastSquaresPoint& point_;
+  JointEquations equations_;
+  bool solved_ = false;
+  Eigen::MatrixX4d cross_, by_shift_;
+  Eigen::VectorXd rest_;
+  Shift gradient_ = Shift::Zero();
+  Eigen::Matrix4d matrix_ = Eigen::Matrix4d::Zero();
 };
 
-struct LeastMount {
-  Pose at;
+struct LeastShift {
+  Shift at = Shift::Zero();
   LeastSquaresEnd end;
 };
 
-// Where such a paraboloid is least, and again from there, as long as the cost falls.
-LeastMount FindLeastMount(const Shifted& shifted, const Pose& start) {
-  constexpr double kMost_m = 2.0;
-  constexpr int kRounds = 4;
-  LeastMount least{start, shifted.EndOfMount(start)};
-  const double first = least.end.cost;
+// Where the cost is least, by such steps as long as it falls, each twice as far while that explains more: the
+// noise of odometry makes the slope along lateness uneven.
+LeastShift FindLeastShift(const Shifted& shifted, LeastShift least, int first, int count) {
+  constexpr int kRounds = 6;
+  const double none = least.end.cost;
   for (int round = 0; round < kRounds; ++round) {
-    const auto step = MountParaboloid(shifted, least.at, least.end).ToLeast();
-    if (!step) break;
-    Pose at = Moved(least.at, *step);
-    at = {std::clamp(at.x_m, -kMost_m, kMost_m), std::clamp(at.y_m, -kMost_m, kMost_m),
-          std::clamp(at.heading_rad, -kMost_rad, kMost_rad)};
-    LeastSquaresEnd there = shifted.EndOfMount(at);
-    const double fell = least.end.cost - there.cost;
-    if (!(fell > 0)) break;
-    least = {at, std::move(there)};
-    if (fell < std::max(0.5, 0.05 * (first - least.end.cost))) break;
+    const LeastShift from = least;
+    const ShiftEquations equations(shifted, from.at, from.end.point);
+    for (Shift step = equations.Step(first, count);; step *= 2.0) {
+      const Shift at = (from.at + step).cwiseMin(kMost).cwiseMax(-kMost);
+      if (at == least.at) break;
+      LeastSquaresEnd there =
+          Descend(shifted.Under(at), equations.Moved(at - from.at), kSteps, kNearTheLeast);
+      if (!(there.cost < least.end.cost)) break;
+      least = {at, std::move(there)};
+    }
+    if (from.end.cost - least.end.cost < std::max(0.5, 0.05 * (none - least.end.cost))) break;
   }
   return least;
+}
+
+SensorShift ShiftOf(const Shifted& shifted) {
+  constexpr double kWorthALook = 0.3;  // of what is to gain
+  const double enough =
+      std::max(kLeast_nats, kLeastEach_nats * static_cast<double>(shifted.sightings().size()));
+  const ShiftEquations equations(shifted, Shift::Zero(), shifted.point());
+  const double late_promises = equations.Gain(0, 1), mount_promises = equations.Gain(1, 3);
+  if (std::max(late_promises, mount_promises) <= kWorthALook * enough) return {};
+  const LeastShift as_is{Shift::Zero(),
+                         Descend(shifted.Under(Shift::Zero()), shifted.point(), kSteps, kNearTheLeast)};
+  const auto look = [&](int first, int count, double promises, double least) {
+    return promises > kWorthALook * std::max(enough, least) ? FindLeastShift(shifted, as_is, first, count)
+                                                            : as_is;
+  };
+  const auto gain = [&](const LeastShift& found) { return as_is.end.cost - found.end.cost; };
+  const LeastShift late = look(0, 1, late_promises, mount_promises),
+                   mount = look(1, 3, mount_promises, gain(late));
+  // What explains more: the one may look like a little of the other.
+  if (std::max(gain(mount), gain(late)) < enough) return {};
+  if (gain(late) >= gain(mount)) return {late.at[0]};
+  const LeastShift turned = FindLeastShift(shifted, as_is, 3, 1);
+  if (gain(mount) - gain(turned) < enough) return {0, -turned.at[3]};
+  return {0, -mount.at[3], mount.at[1], mount.at[2]};
 }
 
 }  // namespace
 
 std::vector<SensorShift> FindSensorShifts(const LeastSquaresProblem& problem, const LeastSquaresPoint& point,
                                           std::span<const Odometry> odometry) {
-  std::vector<SensorShift> shifts;
+  std::vector<SensorShift> shifts(odometry.size());
   for (std::size_t r = 0; r < odometry.size(); ++r) {
-    Shifted shifted(problem, point, odometry[r], r);
-    SensorShift& shift = shifts.emplace_back();
-    if (shifted.sightings() == 0) continue;
-    const double enough = std::max(kLeast_nats, kLeastEach_nats * shifted.sightings());
-    const LeastSquaresEnd as_is = shifted.EndOfMount({});
-    const Least late =
-        FindLeast([&](double s) { return shifted.CostOfLate(s); }, as_is.cost, kFirst_s, kMost_s);
-    Least turned;
-    LeastMount mount{{}, as_is};
-    constexpr double kWorthALook = 0.3;  // of what is to gain; chance makes less of three in nine of ten
-    if (MountParaboloid(shifted, {}, as_is).GainAlongOne() > kWorthALook * enough) {
-      turned = FindLeast([&](double rad) { return shifted.CostOfMount({0, 0, -rad}); }, as_is.cost,
-                         kFirst_rad, kMost_rad);
-      mount = FindLeastMount(shifted, {0, 0, -turned.at});
-    }
-    const double mount_nats = as_is.cost - mount.end.cost;
-    // What explains more: the one may look like a little of the other.
-    if (std::max(mount_nats, late.gain_nats) < enough) continue;
-    if (late.gain_nats >= mount_nats)
-      shift.late_s = late.at;
-    else if (mount_nats - turned.gain_nats < enough)
-      shift.turned_rad = turned.at;
-    else
-      shift = {0, -mount.at.heading_rad, mount.at.x_m, mount.at.y_m};
+    const Shifted shifted(problem, point, odometry[r], r);
+    if (!shifted.sightings().empty()) shifts[r] = ShiftOf(shifted);
   }
   return shifts;
 }
