@@ -69,8 +69,11 @@ JointRefinement RefineWithAllRows(const kinds::Log& log, const std::vector<Assoc
     std::vector<Landmark> kept = *landmarks, among = refined.landmarks;
     std::vector<RowAssociations> now = told_apart(among);
     const auto placed = PlacedRows(log, refined, now, settings.steps.until_s);
+    // Where all have names, what is of none is what was left out, for its landmark was moved.
     const std::vector<Landmark> more =
-        FindSeenBriefly(placed, among, TieSigma_m(placed, refined.fit), reach_m, settings.map.types);
+        settings.map.types > 0 && !settings.map.partly_named
+            ? std::vector<Landmark>()
+            : FindSeenBriefly(placed, among, TieSigma_m(placed, refined.fit), reach_m, settings.map.types);
     if (!more.empty()) {
       kept.insert(kept.end(), more.begin(), more.end());
       among.insert(among.end(), more.begin(), more.end());

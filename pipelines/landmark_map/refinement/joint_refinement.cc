@@ -107,10 +107,10 @@ LeastSquaresPoint TakenUpByOdometry(const LeastSquaresProblem& problem, const Le
 
 // What a point costs under which another start is tried: none of a small problem, for there it takes no time;
 // of a large one half a nat a residual, as right widths give it.
-constexpr std::size_t kSmall = 2000;
+constexpr std::size_t kFewSightings = 2000;
 double LeastOfManyTried(const LeastSquaresProblem& problem) {
   const std::size_t sightings = problem.sightings.size();
-  return sightings < kSmall ? 0.0 : static_cast<double>(sightings);
+  return sightings < kFewSightings ? 0.0 : static_cast<double>(sightings);
 }
 
 // The least squares, EM's point in it, and each robot's odometry.
@@ -179,7 +179,7 @@ bool Settle(const LeastSquaresProblem& nominal, LeastSquaresProblem* problem, Le
 // observations one broken motion makes no width wider, and stands out where it is.
 bool IsInDoubt(const LeastSquaresProblem& nominal, const LeastSquaresProblem& problem,
                const LeastSquaresEnd& end) {
-  if (problem.sightings.size() >= kSmall) return false;
+  if (problem.sightings.size() >= kFewSightings) return false;
   constexpr double kWider = 1.5;
   if (problem.noise.range_m > kWider * nominal.noise.range_m ||
       problem.noise.bearing_rad > kWider * nominal.noise.bearing_rad)

@@ -1,6 +1,8 @@
 #include "pipelines/landmark_map/refinement/sensor_shift.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -125,6 +127,13 @@ class ShiftEquations {
   }
   // What that step promises.
   double Gain(int first, int count) const { return -0.5 * gradient_.dot(Step(first, count)); }
+  // How well the observations tell where the sensor sits, with its heading: the larger standard deviation.
+  double PlaceSd_m() const {
+    const Eigen::Matrix3d covariance = matrix_.block<3, 3>(1, 1).inverse();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> of(covariance.topLeftCorner<2, 2>());
+    const double most = of.eigenvalues()[1];
+    return solved_ && of.eigenvalues()[0] > 0.0 && std::isfinite(most) ? std::sqrt(most) : kMost[1];
+  }
   // Where all else then is.
   LeastSquaresPoint Moved(const Shift& step) const {
     return equations_.layout().Moved(point_, -rest_ - by_shift_ * step);
@@ -204,6 +213,13 @@ LeastShift FindLeastShift(const Shifted& shifted, LeastShift least, int first, i
   return least;
 }
 
+// A robot that hardly turns sees the same from anywhere: then a place explains what something else is about.
+bool TellsThePlace(const Shifted& shifted, const LeastShift& mount) {
+  constexpr double kKnown_m = 0.1;
+  const bool is_at_the_end = (mount.at.cwiseAbs().array() >= kMost.array()).any();
+  return !is_at_the_end && ShiftEquations(shifted, mount.at, mount.end.point).PlaceSd_m() <= kKnown_m;
+}
+
 SensorShift ShiftOf(const Shifted& shifted) {
   constexpr double kWorthALook = 0.3;  // of what is to gain
   const double enough =
@@ -218,8 +234,9 @@ SensorShift ShiftOf(const Shifted& shifted) {
                                                             : as_is;
   };
   const auto gain = [&](const LeastShift& found) { return as_is.end.cost - found.end.cost; };
-  const LeastShift late = look(0, 1, late_promises, mount_promises),
-                   mount = look(1, 3, mount_promises, gain(late));
+  const LeastShift late = look(0, 1, late_promises, mount_promises);
+  LeastShift mount = look(1, 3, mount_promises, gain(late));
+  if (!TellsThePlace(shifted, mount)) mount = FindLeastShift(shifted, as_is, 3, 1);
   // What explains more: the one may look like a little of the other.
   if (std::max(gain(mount), gain(late)) < enough) return {};
   if (gain(late) >= gain(mount)) return {late.at[0]};

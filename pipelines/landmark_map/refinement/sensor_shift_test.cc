@@ -5,10 +5,13 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "pipelines/landmark_map/landmark_map.h"
 #include "pipelines/landmark_map/testing.h"
+#include "schema/geometry.h"
+#include "schema/rng.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -71,6 +74,51 @@ TEST(FindSensorShifts, FindWhereASensorSits) {
       EXPECT_NEAR(map->Scalar<double>("robot/0/bearings_turned_rad"), -mount.heading_rad, 0.03) << named;
       EXPECT_FALSE(map->Has("robot/0/observations_late_s"));
     }
+  }
+}
+
+// There and back on one line, backwards: it sees the same from wherever on it the sensor sits.
+TEST(FindSensorShifts, NoneOfARobotThatNeverTurns) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    constexpr int kLegs = 4, kSteps = 100;
+    constexpr double kStep_m = 0.2;
+    Rng rng(seed);
+    std::vector<Point> posts;
+    for (int p = 0; p < 14; ++p) posts.push_back({rng.Uniform(-2, 22), rng.Uniform(-4, 4)});
+    std::vector<double> time, turn, forward, seen_s, range, bearing;
+    std::vector<std::int32_t> landmark;
+    double x = 0, y = 0, heading = 0;
+    for (int k = 0; k < kLegs * kSteps; ++k) {
+      const double way = (k / kSteps % 2 == 0 ? 1 : -1) * kStep_m, turned = 0.004 * rng.Normal();
+      heading += turned;
+      x += way * std::cos(heading);
+      y += way * std::sin(heading);
+      time.push_back(0.4 * (k + 1));
+      turn.push_back(turned + 0.004 * rng.Normal());
+      forward.push_back(way * (1 + 0.02 * rng.Normal()));
+      for (int p = 0; p < 14 && k % 3 == 0; ++p) {
+        const double dx = posts[static_cast<std::size_t>(p)].x_m - x,
+                     dy = posts[static_cast<std::size_t>(p)].y_m - y;
+        const double ahead = std::remainder(std::atan2(dy, dx) - heading, 2.0 * std::numbers::pi);
+        if (std::hypot(dx, dy) > 5.0 || std::abs(ahead) > 1.25) continue;
+        seen_s.push_back(time.back());
+        landmark.push_back(p);
+        range.push_back(std::hypot(dx, dy) + 0.1 * rng.Normal());
+        bearing.push_back(ahead + 0.03 * rng.Normal());
+      }
+    }
+    Blob log = PostsLog{.named = true}.Make();
+    log.Put("landmarks",
+            Array::Texts({"a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n"}));
+    log.PutVector("robot/0/odometry/time_s", time);
+    log.PutVector("robot/0/odometry/turn_rad", turn);
+    log.PutVector("robot/0/odometry/forward_m", forward);
+    log.PutVector("robot/0/observations/landmark", landmark);
+    log.PutVector("robot/0/observations/time_s", seen_s);
+    log.PutVector("robot/0/observations/range_m", range);
+    log.PutVector("robot/0/observations/bearing_rad", bearing);
+    const BlobPtr map = RunInProcess(LandmarkMap({}), {{"log", std::make_shared<const Blob>(log)}});
+    EXPECT_FALSE(map->Has("robot/0/sensor_x_m")) << seed;
   }
 }
 
