@@ -46,15 +46,21 @@ std::vector<Rest> Around(const std::vector<Rest>& rest, double gate_m, Point* mi
 std::vector<Landmark> FindSeenBriefly(const std::vector<std::vector<PlacedRow>>& rows,
                                       const std::vector<Landmark>& landmarks, double sigma_m, double apart_m,
                                       int type) {
-  constexpr std::size_t kLeast = 3;
+  constexpr std::size_t kLeast = 3, kMostShare = 50;  // of the rows one in so many is of none at most
   constexpr double kEnough_nats = 3, kGate = 3, kMostDetected = 0.95;
   const double gate_m = kGate * sigma_m;
   std::vector<Rest> rest;
-  for (std::size_t r = 0; r < rows.size(); ++r)
-    for (const PlacedRow& row : rows[r])
-      if (row.landmark < 0 && !row.told) rest.push_back({PlaceOf(row), {r, row.time_s}});
+  std::size_t nameless = 0;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (const PlacedRow& row : rows[r]) {
+      if (row.told) continue;
+      ++nameless;
+      if (row.landmark < 0) rest.push_back({PlaceOf(row), {r, row.time_s}});
+    }
+  }
   std::vector<Landmark> found;
-  if (rest.size() < kLeast) return found;
+  // Of many some come by and stand for a while: they do not fall together by chance alone.
+  if (rest.size() < kLeast || kMostShare * rest.size() > nameless) return found;
   const Submap submap = SubmapOf({rows.begin(), rows.end()});
   double viewed_m2 = 0;
   for (const Submap::Look& look : submap.looks) {
