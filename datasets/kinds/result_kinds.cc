@@ -155,12 +155,7 @@ constexpr ResultKind kResultKinds[] = {
      .is_map = true,
      .page_takes_source = false,
      .page = [](const ReportedStage& s) { return report::SoFarHtml(*s.result); },
-     .picture =
-         [](const ReportedStage& s, int width_px) {
-           const Blob map = report::MapOfSoFar(*s.result);
-           return map.Has("map/grid/occupied") ? DrawGridPng(map, nullptr, nullptr, width_px)
-                                               : DrawMapPng(map, nullptr, nullptr, width_px);
-         }},
+     .picture = [](const ReportedStage& s, int width_px) { return report::SoFarPng(*s.result, width_px); }},
     {.name = "samples",
      .page_takes_source = false,
      .page = [](const ReportedStage& s) { return report::SamplesHtml(*s.result); },

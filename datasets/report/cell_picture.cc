@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "datasets/report/drawing/palette.h"
 
@@ -74,6 +75,29 @@ std::optional<CellPicture> PictureOf(const Blob& grid_map, MapLayer layer) {
   if (layer == MapLayer::kDynamic) return OfDynamic(grid_map);
   if (!HasMostLikely(grid_map)) return std::nullopt;
   return OfProbabilities(ReadMostLikely(grid_map));
+}
+
+std::vector<CellPicture> EarlierMaps(const Blob& grid_map, std::size_t most) {
+  const auto history = FieldsIn<kinds::GridMap::History>("history/", grid_map);
+  const std::span<const std::int64_t> iteration = history.changed_iteration.OrNone(),
+                                      cell = history.changed_cell.OrNone();
+  if (iteration.size() != cell.size()) throw InputError("'history/changed_cell' has another size");
+  Occupancy map = HasMostLikely(grid_map) ? ReadMostLikely(grid_map) : ReadOccupancy(grid_map);
+  for (double& p : map.probability) p = std::isnan(p) ? p : 0;
+  const std::set<std::int64_t> rounds(iteration.begin(), iteration.end());
+  std::vector<CellPicture> maps;
+  std::size_t next = 0, round = 0;
+  for (const std::int64_t now : rounds) {
+    for (; next < cell.size() && iteration[next] == now; ++next) {
+      if (cell[next] >= map.box.cells()) throw InputError("'history/changed_cell' has none of the map's");
+      double& p = map.probability[static_cast<std::size_t>(cell[next])];
+      p = p == 1 ? 0 : 1;
+    }
+    ++round;  // the first of some is kept, and the last
+    if (round * most / rounds.size() > (round - 1) * most / rounds.size())
+      maps.push_back(OfProbabilities(map));
+  }
+  return maps;
 }
 
 CellPicture InBlocks(const CellPicture& picture, std::int64_t most) {

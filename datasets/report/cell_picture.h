@@ -41,6 +41,11 @@ Rgb OfDifference(double nats);
 // Throws InputError where its arrays do not fit each other.
 std::optional<CellPicture> PictureOf(const Blob& grid_map, MapLayer layer);
 
+// The maps that a search held before it came to its most likely one, or to what it holds now: of more than
+// `most` some, evenly spread. What nothing is known of in the end is so in all of them.
+// Throws InputError where the cells that changed are not the map's.
+std::vector<CellPicture> EarlierMaps(const Blob& grid_map, std::size_t most = 40);
+
 // Of a map of more cells than `most` along an edge, a cell for each block: the darkest of it.
 CellPicture InBlocks(const CellPicture& picture, std::int64_t most);
 

@@ -37,11 +37,11 @@ std::string RobotClass(std::string_view kind, std::size_t robot) {
 
 std::string Tip(const MapLandmark& landmark) {
   return fmt::format(
-      "landmark {} at ({}, {}) m, seen {}, 95% within {} m{}{}", landmark.name, Short(landmark.at.x_m),
+      "landmark {} at ({}, {}) m, seen {}, 95% within {} m{}{}{}", landmark.name, Short(landmark.at.x_m),
       Short(landmark.at.y_m), landmark.count == 1 ? "once" : Short(landmark.count, 1) + " times",
       Short(landmark.ellipse.major_m),
       landmark.error_m ? fmt::format(", {} m from the true one", Short(*landmark.error_m)) : "",
-      landmark.spurious ? ", no true one near it" : "");
+      landmark.spurious ? ", no true one near it" : "", landmark.moved);
 }
 
 // What lies on a map, cut at its panel's edge.
@@ -49,7 +49,10 @@ class MapPainter {
  public:
   MapPainter(const MapFrame& frame, Picture* picture) : frame_(frame), picture_(*picture) {}
 
-  void Cells(const MapCells& cells) { picture_.Image(frame_.At(cells.box), cells.raster); }
+  void Cells(const MapCells& cells) {
+    picture_.Image(frame_.At(cells.box), cells.raster);
+    picture_.Rounds(cells.rounds);
+  }
 
   void Paths(const std::vector<Path>& paths, const std::string& kind) {
     for (const Path& path : paths) DrawPath(path, kind);
@@ -72,8 +75,8 @@ class MapPainter {
   }
 
   template <class Paint>
-  void Layer(const std::string& name, const Paint& paint) {
-    picture_.BeginLayer(name);
+  void Layer(const std::string& name, const Paint& paint, bool shown = true) {
+    picture_.BeginLayer(name, shown);
     paint();
     picture_.EndLayer();
   }
@@ -88,7 +91,9 @@ class MapPainter {
   void Truth(const Scene& scene) {
     for (const auto& line : scene.error_lines)
       if (IsVisible(line)) Line(line.first, line.second, "miss");
-    for (const Point& point : scene.truth_landmarks) picture_.Circle(frame_.At(point), 7, "truth-landmark");
+    for (const Point& point : scene.truth_landmarks)
+      picture_.Circle(frame_.At(point), 7, "truth-landmark",
+                      fmt::format("true landmark at ({}, {}) m", Short(point.x_m), Short(point.y_m)));
   }
 
   void Walls(const Scene& scene) {
@@ -100,7 +105,11 @@ class MapPainter {
   void Loops(const Scene& scene) {
     for (const Scene::Loop& loop : scene.loops) {
       if (!loop.used) Line(loop.from, loop.to, "miss");
-      picture_.Circle(frame_.At(loop.from), 2.4, loop.used ? "loop" : "loop spurious");
+      picture_.Circle(
+          frame_.At(loop.from), 2.4, loop.used ? "loop" : "loop spurious",
+          fmt::format("loop at ({}, {}) m, {} m from where it was met before{}", Short(loop.from.x_m),
+                      Short(loop.from.y_m), Short(DistanceM(loop.from, loop.to)),
+                      loop.used ? "" : "; others contradict it"));
     }
   }
 
@@ -114,6 +123,11 @@ class MapPainter {
       picture_.Circle(frame_.At(landmark.at), radius, landmark.spurious ? "landmark spurious" : "landmark",
                       Tip(landmark), landmark.name);
     }
+  }
+
+  void Moved(const Scene& scene) {
+    for (const MapLandmark& landmark : scene.landmarks)
+      if (!landmark.moved.empty()) picture_.Circle(frame_.At(landmark.at), 9, "moved", Tip(landmark));
   }
 
   void Rounds(const Scene& scene) {
@@ -250,6 +264,8 @@ Picture MapPicture(const Scene& scene, double width, const MapView& view) {
     painter.Layer("edges", [&] { painter.Edges(scene); });
     painter.Layer("true path", [&] { painter.Paths(scene.truth_paths, "truth-path"); });
     painter.Layer("odometry alone", [&] { painter.Paths(scene.odometry_below, "raw-path"); });
+    if (!scene.odometry.empty())
+      painter.Layer("odometry alone", [&] { painter.Paths(scene.odometry, "raw-path"); }, false);
     for (const Path& path : scene.paths)
       painter.Layer(RobotTitle(path.robot), [&] { painter.DrawPath(path, "path"); });
     painter.Layer("true landmarks", [&] { painter.Truth(scene); });
@@ -258,6 +274,7 @@ Picture MapPicture(const Scene& scene, double width, const MapView& view) {
       painter.Landmarks(scene);
       painter.Rounds(scene);
     });
+    painter.Layer("what moved", [&] { painter.Moved(scene); });
     painter.Layer("names", [&] { painter.Names(scene); });
     painter.Layer("starts", [&] { painter.Starts(scene.paths); });
   });
@@ -292,6 +309,8 @@ std::vector<LegendEntry> LegendOf(const Scene& scene) {
   if (!std::ranges::all_of(scene.loops, used)) add_line("miss", "loop that others contradict");
   if (!scene.truth_walls.empty()) add_line("wall", "true wall");
   if (!scene.truth_landmarks.empty()) add_dot("truth-landmark", 5.6, "true landmark");
+  if (std::ranges::any_of(scene.landmarks, [](const MapLandmark& l) { return !l.moved.empty(); }))
+    add_dot("moved", 5.6, "was moved while the log lasted");
   if (std::ranges::any_of(scene.error_lines, IsVisible)) add_line("miss", "error");
   const auto gaps = [](const Path& path) { return !path.breaks.empty(); };
   if (!scene.truth_paths.empty())

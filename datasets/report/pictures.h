@@ -14,6 +14,7 @@ namespace cairn::datasets::report {
 struct MapCells {
   Raster raster;
   Box box;
+  std::vector<Raster> rounds = {};  // what stood there before, round by round
 };
 
 struct MapView {

@@ -1,5 +1,7 @@
 #include "datasets/report/scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -94,6 +96,7 @@ class SceneMaker {
     const std::vector<Point> points = PointsOf(map_.landmark_x_m, map_.landmark_y_m);
     const std::span<const double> covariance = map_.landmark_covariance_m2;
     const std::span<const std::int32_t> identity = map_.landmark_identity;
+    const auto moved = FieldsIn<kinds::LandmarkMap::Moved>("moved/", result_);
     const std::vector<std::string> labels = LandmarkLabels(map_, Texts::In(result_, "landmarks").OrNone());
     for (std::size_t k = 0; k < points.size(); ++k) {
       MapLandmark landmark;
@@ -104,6 +107,10 @@ class SceneMaker {
       landmark.identified = identity[k] >= 0;
       landmark.name = labels[k];
       landmark.spurious = evaluation_ != nullptr && evaluation_->landmarks.has_value();
+      for (std::size_t m = 0; m < moved.landmark.OrNone().size(); ++m)
+        if (moved.landmark[m] == identity[k])
+          landmark.moved = fmt::format(", was moved between {} s and {} s", Short(moved.until_s[m], 1),
+                                       Short(moved.from_s[m], 1));
       scene_.landmarks.push_back(std::move(landmark));
     }
   }

@@ -45,6 +45,7 @@ struct MapLandmark {
   bool identified = false;        // the name is its identity's
   bool spurious = false;          // an evaluation found no true one near it
   std::optional<double> error_m;  // to its true one
+  std::string moved = {};         // ", was moved between 12.0 s and 15.5 s"; empty: it stood still
 };
 
 struct Grid {

@@ -230,6 +230,9 @@ class Turn {
   }
 
   std::string Note() const {
+    // That of the empty map is so low that beside it the others' curve is flat.
+    if (map_.CountOccupied() == 0)
+      return fmt::format("search {}, an empty map; {}", schedule_.searches, What());
     return fmt::format("search {}, log-likelihood {:.1f}, {:.0f} obstacles; {}", schedule_.searches,
                        schedule_.target_nats, map_.CountOccupied(), What());
   }

@@ -99,6 +99,29 @@ TEST(ForwardMap, ShowsItsMapAsItComesIntoBeing) {
   EXPECT_EQ(maps.back()->Scalar<double>("so_far/map/grid/cell_m"), 0.1);
 }
 
+// Each of its maps comes of the one before by the cells that changed, the first of an empty one.
+TEST(ForwardMap, ItsHistoryHasEachMapThatItTookOver) {
+  const auto log = std::make_shared<const Blob>(Room{}.Log());
+  const ForwardMap pipeline(At(0.1), 1);
+  const std::vector<BlobPtr> maps = MapsSoFar(pipeline, {{"log", log}});
+  const BlobPtr result = RunInProcess(pipeline, {{"log", log}});
+  const auto iteration = result->Get<std::int64_t>("history/changed_iteration"),
+             cell = result->Get<std::int64_t>("history/changed_cell"),
+             occupied = result->Get<std::int64_t>("history/occupied");
+  ASSERT_EQ(maps.size(), occupied.size());
+  std::vector<std::uint8_t> map(static_cast<std::size_t>(result->at("map/grid/occupied").size()));
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < occupied.size(); ++i) {
+    for (; next < iteration.size() && iteration[next] == static_cast<std::int64_t>(i); ++next)
+      map[static_cast<std::size_t>(cell[next])] ^= 1;
+    const auto shown = maps[i]->Get<std::uint8_t>("so_far/map/grid/occupied");
+    EXPECT_EQ(map, std::vector<std::uint8_t>(shown.begin(), shown.end())) << i;
+    EXPECT_EQ(std::ranges::count(map, 1), occupied[i]);
+  }
+  EXPECT_EQ(next, iteration.size());
+  EXPECT_GT(next, 0U);
+}
+
 // By the model as it is written in forward_model.h, on the map and with the parameters of the result.
 TEST(ForwardMap, ItsLogLikelihoodIsThatOfItsMap) {
   const Room room{.opening_rad = 0.26};

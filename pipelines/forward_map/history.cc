@@ -1,5 +1,7 @@
 #include "pipelines/forward_map/history.h"
 
+#include "pipelines/common/handed_over.h"
+
 namespace cairn::forward_map {
 namespace {
 
@@ -14,6 +16,15 @@ struct HistoryRow {
   }
 };
 
+// One that was taken over as occupied, or as free again.
+struct ChangedCell {
+  std::int64_t iteration = 0, cell = 0;
+  static void Fields(const auto& field) {
+    field("iteration", &ChangedCell::iteration);
+    field("cell", &ChangedCell::cell);
+  }
+};
+
 }  // namespace
 
 Evidence SumOf(const std::vector<Evidence>& evidence) {
@@ -24,11 +35,24 @@ Evidence SumOf(const std::vector<Evidence>& evidence) {
 
 Blob WithRow(const Blob* history, const Evidence& evidence, double target_nats, const MapState& map) {
   std::vector<HistoryRow> rows;
-  if (history != nullptr) AppendRows("history/", *history, &rows);
+  std::vector<ChangedCell> changed;
+  if (history != nullptr) {
+    AppendRows("history/", *history, &rows);
+    AppendRows("history/changed_", *history, &changed);
+  }
+  const auto now = static_cast<std::int64_t>(rows.size());
+  std::vector<std::uint8_t> before(map.occupied.size());
+  for (const ChangedCell& c : changed) {
+    RequireWithin("a cell that changed", c.cell, 0, std::ssize(before) - 1);
+    before[static_cast<std::size_t>(c.cell)] ^= 1;
+  }
+  for (std::size_t cell = 0; cell < before.size(); ++cell)
+    if (before[cell] != map.occupied[cell]) changed.push_back({now, static_cast<std::int64_t>(cell)});
   rows.push_back({evidence.log_likelihood, target_nats, evidence.log_likelihood - evidence.entropy,
                   static_cast<std::int64_t>(map.CountOccupied())});
   Blob blob;
   PutRows("history/", rows, &blob);
+  PutRows("history/changed_", changed, &blob);
   return blob;
 }
 

@@ -11,7 +11,7 @@ namespace cairn::forward_map {
 Evidence SumOf(const std::vector<Evidence>& evidence);
 
 // `history` (may be null) and one more row: history/log_likelihood, target, expected_log_likelihood,
-// occupied.
+// occupied, and which cells changed from the row before, changed_iteration, changed_cell.
 Blob WithRow(const Blob* history, const Evidence& evidence, double target_nats, const MapState& map);
 
 }  // namespace cairn::forward_map

@@ -15,6 +15,7 @@
 #include "pipelines/landmark_learning/starts.h"
 #include "pipelines/landmark_learning/state/handed_data.h"
 #include "pipelines/landmark_learning/state/round_sum.h"
+#include "schema/kinds/map_so_far.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -195,10 +196,55 @@ class Round {
     if (on_trial_ && t_.steps == StartStepsOf(options_) && t_.phase == planner_.FirstPhase(t_.learning.end))
       (*step.plan.mutable_state()->mutable_scalars())[kTrialScore].set_d(
           ScoreOf(t_.history.All(inputs_).error, t_.best_validation));
+    if (IsToBeShown())
+      ShowSoFar(&step);
+    else
+      step.plan.mutable_state()->set_so_far(state_.so_far());
     t_.Share(state_, inputs_, &step);
     planner_.Plan(t_, &step);
     step.plan.set_note(note);
     return step;
+  }
+
+  // Of long trainings every so many steps.
+  bool IsToBeShown() const {
+    constexpr std::int64_t kPart = 20;
+    return !on_trial_ && t_.phase == planner_.FirstPhase(t_.learning.end) &&
+           t_.steps % (1 + t_.steps / kPart) == 0;
+  }
+
+  // For people to look at while the stage runs: what the networks make of the first run, or of so many of its
+  // samples as take no time.
+  void ShowSoFar(Step* step) const {
+    constexpr double kMostProducts = 1e7, kMostSamples = 500;
+    const SampleSet& set = data_.training;
+    Parameters<double> all(Shape());
+    all.values = t_.weights;
+    const Parameters<double> used = SomeNetworks(all, 0, t_.learning.end);
+    std::vector<int> rows;
+    const std::int32_t first = *std::ranges::min_element(set.run);
+    for (int row = 0; row < set.size(); ++row)
+      if (set.run[static_cast<std::size_t>(row)] == first) rows.push_back(row);
+    const std::vector<double>& along_m = set.positions.along_m;
+    std::ranges::stable_sort(rows, {}, [&](int row) { return along_m[static_cast<std::size_t>(row)]; });
+    const double most =
+        std::clamp(kMostProducts / static_cast<double>(used.values.size()), 1.0, kMostSamples);
+    const auto every = static_cast<std::size_t>(std::ceil(static_cast<double>(rows.size()) / most));
+    kinds::MapSoFar map;
+    std::vector<double> along;
+    std::vector<float> input;
+    for (std::size_t k = 0; k < rows.size(); k += every) {
+      const float* const of = set.inputs() + static_cast<std::size_t>(rows[k]) * data_.mean.size();
+      input.insert(input.end(), of, of + data_.mean.size());
+      along.push_back(along_m[static_cast<std::size_t>(rows[k])]);
+    }
+    map.what = fmt::format("step {}", t_.steps);
+    map.map.run = std::vector<std::int32_t>(along.size(), first);
+    map.map.output = {
+        {std::ssize(along), used.shape.networks},
+        Forward(InFloat(used.shape, used.values), input.data(), static_cast<int>(along.size())).output};
+    map.map.along_m = along;
+    step->plan.mutable_state()->set_so_far(step->Share(BlobOf(map)));
   }
 
   Step Result(const std::string& note) {

@@ -38,6 +38,24 @@ TEST(LandmarkLearning, LearnsFeaturesThatLocaliseInARunThatItHasNotSeen) {
   EXPECT_EQ(result->Get<float>("map/output").size(), 4U * 160U);
 }
 
+// Of long trainings every so many steps.
+TEST(LandmarkLearning, ShowsWhatTheNetworksSeeWhileTheyLearn) {
+  const auto samples = std::make_shared<const Blob>(CorridorSamples().Make());
+  const LandmarkLearning pipeline({.rate = 0.02, .init_width = 0.5, .steps = 60}, 7);
+  const std::vector<BlobPtr> shown = MapsSoFar(pipeline, {{"samples", samples}});
+  ASSERT_GT(shown.size(), 30U);
+  EXPECT_LT(shown.size(), 60U);
+  EXPECT_EQ(shown.front()->Text("so_far/what"), "step 1");
+  const auto along = shown.back()->Get<double>("so_far/map/along_m");
+  EXPECT_TRUE(std::ranges::is_sorted(along));
+  EXPECT_EQ(shown.back()->at("so_far/map/output").shape(), (Shape{std::ssize(along), 4}));
+  const auto spread = [](const Blob& map) {
+    const auto output = map.Get<float>("so_far/map/output");
+    return std::ranges::max(output) - std::ranges::min(output);
+  };
+  EXPECT_GT(spread(*shown.back()), spread(*shown.front())) << "they come to tell places apart";
+}
+
 TEST(LandmarkLearning, EachWayToTrainLowersTheError) {
   for (const char* method : {"gradient", "momentum", "adam", "conjugate", "pseudo"}) {
     const std::string name = method;

@@ -138,10 +138,11 @@ void TakeMapsWithout(const State& state, const Settings& settings, std::size_t r
   }
 }
 
-std::string Note(const Schedule& done, double log_likelihood, std::size_t landmarks) {
-  return fmt::format("iteration {}: log-likelihood {:.2f}, {} landmarks, {:.0f}% of the data, {} robot{}",
-                     done.iteration + 1, log_likelihood, landmarks, 100.0 * done.prefix, done.robots,
-                     done.robots == 1 ? "" : "s");
+// Without a map that the round began with, its log-likelihood is of nothing.
+std::string Note(const Schedule& done, bool had_map, double log_likelihood, std::size_t landmarks) {
+  return fmt::format("iteration {}: {}{} landmarks, {:.0f}% of the data, {} robot{}", done.iteration + 1,
+                     had_map ? fmt::format("log-likelihood {:.2f}, ", log_likelihood) : "", landmarks,
+                     100.0 * done.prefix, done.robots, done.robots == 1 ? "" : "s");
 }
 
 // The last E-step once more, with the refined map.
@@ -163,6 +164,7 @@ cairn::Step SummaryUnder(const Options& options, const std::vector<Landmark>& la
       {"history", history},
       {"counts", StoredCounts(wide)},
       {"perception", BlobOf(MakePerception(MapFromCounts(sharp, rules), rules))},
+      {"path", BlobOf(sum.path())},
       {"landmarks", BlobOf(landmarks)}};
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
   RobotStates robot_states = RobotStates::Load(state, robots.size());
@@ -274,12 +276,13 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
   std::map<std::string, Blob> fresh{{"history", history},
                                     {"counts", StoredCounts(sum.counts())},
                                     {"perception", BlobOf(m_step.perception)},
+                                    {"path", BlobOf(sum.path())},
                                     {"landmarks", BlobOf(m_step.landmarks)}};
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
   if (next.is_apart()) TakeMapsWithout(state, settings, robots.size(), partials, &fresh);
   PlanGuesses(options, sum, left, next, &robot_states, &fresh, step.plan.mutable_state());
   PlanRound(options, robots, next, robot_states, fresh, &step);
-  step.plan.set_note(Note(done, sum.log_likelihood(), m_step.landmarks.size()));
+  step.plan.set_note(Note(done, inputs.Has("perception"), sum.log_likelihood(), m_step.landmarks.size()));
   return step;
 }
 

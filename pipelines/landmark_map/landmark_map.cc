@@ -143,7 +143,12 @@ cairn::Step LandmarkMap::Advance(const State& state, Partials& partials, const I
   const auto trials = FirstRobotTrials::Load(state, inputs.Get("log")->Texts("robots").size());
   cairn::Step step =
       trials ? AdvanceTrial(*trials, state, partials, inputs) : AdvanceFrom(state, partials, inputs);
-  if (step.plan.result().empty()) ShowSoFar(state, inputs, &step);
+  if (!step.plan.result().empty()) return step;
+  const auto now = FirstRobotTrials::Load(step.plan.state(), inputs.Get("log")->Texts("robots").size());
+  if (now)
+    ShowSoFar(state, LedBy(now->robot(), inputs), &step);
+  else
+    ShowSoFar(state, inputs, &step);
   return step;
 }
 

@@ -332,6 +332,31 @@ TEST(LandmarkMap, ShowsItsMapAsItComesIntoBeing) {
             (std::vector<std::int32_t>{0, 1, 2, 3}));
 }
 
+// The last of them is the result's, but for what refinement moves.
+TEST(LandmarkMap, ShowsWhereTheRobotIsAsItsMapComesIntoBeing) {
+  SquareLog log{.laps = 4, .ranged = true, .identified = true};
+  const auto input = std::make_shared<const Blob>(log.Make());
+  const LandmarkMap pipeline({.slice_mcells = 0.1});
+  const std::vector<BlobPtr> maps = MapsSoFar(pipeline, {{"log", input}});
+  const BlobPtr result = RunInProcess(pipeline, {{"log", input}});
+  ASSERT_GT(maps.size(), 2U);
+  EXPECT_EQ(maps.back()->Texts("so_far/robots"), input->Texts("robots"));
+  const std::string name = "so_far/robot/0/poses/";
+  const auto time = maps.back()->Get<double>(name + "time_s"), x = maps.back()->Get<double>(name + "x_m"),
+             y = maps.back()->Get<double>(name + "y_m");
+  const auto result_s = result->Get<double>("robot/0/poses/time_s"),
+             result_x = result->Get<double>("robot/0/poses/x_m"),
+             result_y = result->Get<double>("robot/0/poses/y_m");
+  ASSERT_GT(time.size(), 20U);
+  EXPECT_GE(time.back(), 0.9 * result_s.back());
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    const auto at = static_cast<std::size_t>(std::ranges::lower_bound(result_s, time[i]) - result_s.begin());
+    ASSERT_LT(at, result_s.size());
+    ASSERT_EQ(result_s[at], time[i]);
+    EXPECT_LT(std::hypot(x[i] - result_x[at], y[i] - result_y[at]), 1.0) << time[i];
+  }
+}
+
 TEST(LandmarkMap, OfSeveralStartsItShowsTheLikeliest) {
   SquareLog log{.laps = 4, .side_m = 20.0, .drift_rad_per_m = 0.002};
   const auto input = std::make_shared<const Blob>(log.Make());

@@ -10,6 +10,7 @@
 
 #include "pipelines/common/fan_out.h"
 #include "pipelines/landmark_map/landmarks/summary.h"
+#include "pipelines/landmark_map/state/partial.h"
 #include "schema/kinds/map_so_far.h"
 
 namespace cairn::landmark_map {
@@ -26,7 +27,7 @@ BlobPtr Find(const std::string& hash, const State& state, const Inputs& inputs, 
 
 struct Shown {
   int start = 0;
-  BlobPtr landmarks;
+  BlobPtr landmarks, path;
   kinds::MapSoFar::History history;
 
   // Log-likelihoods are of as much data only where the prefix is the same.
@@ -42,11 +43,26 @@ std::optional<Shown> ShownOf(int start, const std::string& prefix, const State& 
   const auto history = blobs.find(prefix + "history"), landmarks = blobs.find(prefix + "landmarks");
   if (history == blobs.end() || landmarks == blobs.end()) return std::nullopt;
   const BlobPtr rows = Find(history->second, state, inputs, step);
-  Shown shown{start, Find(landmarks->second, state, inputs, step), {}};
+  Shown shown{start, Find(landmarks->second, state, inputs, step), {}, {}};
+  const auto path = blobs.find(prefix + "path");
+  if (path != blobs.end()) shown.path = Find(path->second, state, inputs, step);
   if (!rows || !shown.landmarks) return std::nullopt;
   shown.history = FieldsIn<kinds::MapSoFar::History>("", *rows);
   if (shown.history.log_likelihood.OrNone().empty()) return std::nullopt;
   return shown;
+}
+
+// A table for each robot. Tasks hand their steps over in no order.
+std::vector<kinds::MapSoFar::Robot> PathsOf(const Blob& path, std::size_t robots) {
+  std::vector<std::vector<PathPoint>> of(robots);
+  for (const PathPoint& at : RowsIn<PathPoint>(path)) of.at(static_cast<std::size_t>(at.robot)).push_back(at);
+  std::vector<kinds::MapSoFar::Robot> paths;
+  for (std::vector<PathPoint>& points : of) {
+    std::ranges::sort(points, {}, &PathPoint::time_s);
+    paths.push_back({{ColumnOf(points, &PathPoint::time_s), ColumnOf(points, &PathPoint::x_m),
+                      ColumnOf(points, &PathPoint::y_m)}});
+  }
+  return paths;
 }
 
 kinds::MapSoFar MapOf(const Shown& shown, int starts, const Blob& log) {
@@ -55,6 +71,10 @@ kinds::MapSoFar MapOf(const Shown& shown, int starts, const Blob& log) {
   kinds::MapSoFar map;
   map.landmarks = names.OrNone();
   map.history = shown.history;
+  if (shown.path) {
+    map.robots = log.Texts("robots");
+    map.robot = PathsOf(*shown.path, map.robots.size());
+  }
   const std::string iteration = fmt::format("iteration {}", shown.history.log_likelihood.size());
   map.what = starts > 1 ? fmt::format("start {} of {}, {}", shown.start + 1, starts, iteration) : iteration;
   map.map.landmark_x_m = ColumnOf(rows, &Landmark::x_m);

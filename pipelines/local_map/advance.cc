@@ -12,6 +12,7 @@
 #include "pipelines/local_map/plan.h"
 #include "pipelines/local_map/result.h"
 #include "pipelines/local_map/tasks/follow_task.h"
+#include "schema/kinds/map_so_far.h"
 
 namespace cairn::local_map {
 namespace {
@@ -105,6 +106,7 @@ class Turn {
       case Phase::kTraces:
         KeepTraces();
         LoadGraph();
+        ShowSoFar("what was met along the paths, before loops");
         PlanPairs(1, {});
         break;
       case Phase::kPairs:
@@ -156,13 +158,36 @@ class Turn {
                                   watched.approaches[r].size());
       if (!first) Share(NodesName(r), NodesBlob(ChooseNodes(scans, options_.nodes)));
       PlanSegments(r, scans, first ? "walls" : "traces");
+      all_.push_back({std::move(scans), {}});
     }
+    ShowSoFar(first ? "paths along the walls" : "paths along the walls, at their scale");
     Enter(first ? Phase::kWallsAgain : Phase::kTraces);
     double scans = 0;
     for (std::size_t r = 0; r < robots_; ++r)
       scans += static_cast<double>(inputs_.Get(RowsName(r))->at("time_s").size());
     ExpectRest(options_, scans, -1, &step_.plan);
     step_.plan.set_note(note);
+  }
+
+  // For people to look at while the stage runs.
+  void ShowSoFar(const std::string& what) {
+    kinds::MapSoFar map;
+    map.what = what;
+    map.robots = inputs_.Get("log")->Texts("robots");
+    const std::vector<Point> at = cairn::ColumnOf(nodes_, &PathNode::at);
+    std::size_t first = 0;
+    for (const Robot& robot : all_) {
+      std::vector<Scan> scans = robot.scans;
+      MoveTo(robot.nodes, at.data() + first, &scans);
+      first += robot.nodes.size();
+      map.robot.push_back({{cairn::ColumnOf(scans, &Scan::time_s),
+                            cairn::ColumnOf(scans, [](const Scan& s) { return s.pose.x_m; }),
+                            cairn::ColumnOf(scans, [](const Scan& s) { return s.pose.y_m; })}});
+    }
+    const std::vector<Point> edges = EdgesOf(traces_, nodes_);
+    map.edge_x_m = cairn::ColumnOf(edges, &Point::x_m);
+    map.edge_y_m = cairn::ColumnOf(edges, &Point::y_m);
+    state().set_so_far(step_.Share(cairn::BlobOf(map)));
   }
 
   void ShareMotion(std::size_t r, const std::vector<Contradiction>& motion, const std::vector<Scan>& scans) {
@@ -317,6 +342,7 @@ class Turn {
         OptimizePoseGraph(start, odometry_edges_, constraints, options_.pose_graph);
     for (std::size_t k = 0; k < nodes_.size(); ++k) nodes_[k].at = optimized.node[k];
     Share(kPlaced, cairn::BlobOf(optimized.node));
+    ShowSoFar(fmt::format("round {} of loops", standing_.round));
     const auto used = std::ranges::count_if(optimized.weight, [](double w) { return w > 0; });
     std::vector<Loop> loops;
     for (std::size_t k = 0; k < constraints.size(); ++k) {

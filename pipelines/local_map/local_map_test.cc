@@ -141,6 +141,25 @@ TEST(LocalMap, FindsLoopsAndThePath) {
 }
 
 // Walls beside the way tell how far off they are, and only corners how far along it the robot is.
+// First the path along the walls, then what was met along it, then both after each round of loops.
+TEST(LocalMap, ShowsItsPathsAndWallsAsTheyComeIntoBeing) {
+  const auto log = std::make_shared<const Blob>(RoomLog(3).Without("truth/"));
+  const LocalMap pipeline(Options(), 7);
+  const std::vector<BlobPtr> maps = MapsSoFar(pipeline, {{"log", log}});
+  const BlobPtr result = RunInProcess(pipeline, {{"log", log}});
+  ASSERT_GT(maps.size(), 3U);
+  EXPECT_TRUE(maps.back()->Text("so_far/what").starts_with("round ")) << maps.back()->Text("so_far/what");
+  EXPECT_TRUE(maps.front()->Get<double>("so_far/edges/x_m").empty());
+  EXPECT_GT(maps.back()->Get<double>("so_far/edges/x_m").size(), 100U);
+  for (const char* name : {"time_s", "x_m", "y_m"}) {
+    const auto shown = maps.back()->Get<double>("so_far/robot/0/poses/" + std::string(name)),
+               found = result->Get<double>("robot/0/poses/" + std::string(name));
+    EXPECT_EQ(std::vector<double>(shown.begin(), shown.end()),
+              std::vector<double>(found.begin(), found.end()))
+        << name;
+  }
+}
+
 TEST(LocalMap, LoopsSayWhichDistancesTheyTell) {
   const BlobPtr map = Map(RoomLog(3));
   const auto connections = Read<kinds::LocalMap>(*map).connections;

@@ -77,8 +77,10 @@ class Checker {
   // "robot" of "truth/robot/N/poses/x_m": what N counts.
   static std::string_view CountedBy(std::string_view before) { return before.substr(before.rfind('/') + 1); }
 
+  // By "so_far/robots" where that is there, else by "robots".
   std::int64_t Count(std::string_view before) const {
-    const std::string names = std::string(CountedBy(before)) + "s";
+    const std::string own = std::string(before) + "s";
+    const std::string names = blob_.Has(own) ? own : std::string(CountedBy(before)) + "s";
     return blob_.Has(names) ? blob_.at(names).size() : 0;
   }
 

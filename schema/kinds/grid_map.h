@@ -42,12 +42,14 @@ struct GridMap {
   };
   struct History {
     Column<double> log_likelihood, target, expected_log_likelihood;
-    Column<std::int64_t> occupied;
+    Column<std::int64_t> occupied, changed_iteration, changed_cell;
     static void Fields(const auto& field) {
       field({"log_likelihood", "I", Free()}, &History::log_likelihood);
       field({"target", "I", Free()}, &History::target);
       field({"expected_log_likelihood", "I", Free()}, &History::expected_log_likelihood);
       field({"occupied", "I", From(0)}, &History::occupied);
+      field({"changed_iteration", "J", IndexInto("history/log_likelihood")}, &History::changed_iteration);
+      field({"changed_cell", "J", From(0)}, &History::changed_cell);
     }
   };
 

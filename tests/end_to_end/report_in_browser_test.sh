@@ -15,5 +15,6 @@ exits 0 cairn report one --log log.h5 --force
 exits 0 cairn report one --beside other --log log.h5
 exits 0 cairn simulate hallway --door-readings 1 --seed 102 hall.h5
 exits 0 cairn run evidence_map hall.h5 --out hall --workers 2
+exits 0 cairn run forward_map hall.h5 --out forward --workers 2
 exits 0 python3 "$here/report_walk.py"
 cat stdout

@@ -99,6 +99,31 @@ def points(browser):
     assert csv.count('\n') > 1 and ',' in csv, csv
 
 
+def earlier_maps(browser):
+    """Of a search over cells the maps that it held before, and what the cells under the pointer are."""
+    open_page(browser, 'forward/report.html')
+    index = browser.run("""const viewers = [...document.querySelectorAll('.viewer')];
+        return viewers.findIndex((viewer) => viewer.querySelector('input[aria-label="Iteration"]'));""")
+    assert browser.run('return document.querySelectorAll(".viewer")[arguments[0]].closest("section").querySelector("h2").textContent',
+                       index) == 'Most likely map'
+    browser.run('document.querySelectorAll(".viewer")[arguments[0]].scrollIntoView()', index)
+    last = browser.run(LOOK, index)
+    slider = browser.run("""return [...document.querySelectorAll('.viewer-time input')].indexOf(
+        document.querySelector('.viewer-time input[aria-label="Iteration"]'))""")
+    assert browser.run(MOVE, slider, 0).startswith('1 of '), 'no first map'
+    browser.until(lambda: not same(browser.run(LOOK, index), last), 'the first map of the search')
+    assert browser.run(MOVE, slider, 10000) == 'this map'
+    browser.until(lambda: same(browser.run(LOOK, index), last), 'the last map again')
+    for viewer, said in ((index, ', occupied'), (index, ', free'), (index + 1, ' nat')):
+        cells = POINT.replace("'.viewer canvas'", f"`[data-looked] canvas`").replace('.viewer-tip', '[data-looked] .viewer-tip')
+        cells = cells.replace('.viewer-place', '[data-looked] .viewer-place').replace(
+            '!tip.hidden && tip.textContent.startsWith(arguments[0])',
+            'document.querySelector("[data-looked] .viewer-place").textContent.includes(arguments[0])')
+        browser.run("""document.querySelectorAll('.viewer').forEach((viewer, i) => viewer.toggleAttribute('data-looked', i === arguments[0]));
+                       document.querySelector('[data-looked]').scrollIntoView();""", viewer)
+        browser.until(lambda: browser.run(cells, said), f'a cell that is{said}')
+
+
 def main():
     browser = Browser()
     looks(browser)
@@ -114,6 +139,7 @@ def main():
                                                            'document.querySelector(".viewer-place").textContent'
                                                            '.includes("p(occupied)")'), ''), 'a cell that is known')
     assert 0 <= float(cell[1].rsplit(' ', 1)[1]) <= 1, cell
+    earlier_maps(browser)
     open_page(browser, 'one/comparison.html')
     before = [browser.run(LOOK, map) for map in (0, 1)]
     browser.run(PRESS, 1, ['+'])

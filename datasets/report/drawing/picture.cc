@@ -19,6 +19,7 @@ constexpr double kCoursePixels = 0.03;
 // "x,y x,y;x,y": a round after the other.
 std::string RoundsOf(const Element& s) {
   std::string text;
+  for (const Raster& raster : s.rasters) text += Base64(raster.Png()) + ";";
   for (const std::vector<Point>& round : s.rounds) {
     if (!text.empty()) text.back() = ';';
     for (const Point& point : round) text += fmt::format("{},{} ", Short(point.x_m), Short(point.y_m));
@@ -131,7 +132,7 @@ std::string SvgOf(const Element& s, const std::string& id, bool map) {
                          BoxAttributes(s));
     }
     case kBeginLayer:
-      return fmt::format("<g data-layer=\"{}\">\n", Escape(s.text));
+      return fmt::format("<g{} data-layer=\"{}\">\n", of, Escape(s.text));
     case kEndClip:
     case kEndLayer:
       return "</g>\n";
@@ -208,9 +209,11 @@ void Picture::BeginClip(const Panel& p) {
 
 void Picture::EndClip() { elements_.push_back({Element::Kind::kEndClip, "", {}}); }
 
-void Picture::BeginLayer(std::string_view name) {
-  elements_.push_back(
-      {.kind = Element::Kind::kBeginLayer, .classes = "", .points = {}, .text = std::string(name)});
+void Picture::BeginLayer(std::string_view name, bool shown) {
+  elements_.push_back({.kind = Element::Kind::kBeginLayer,
+                       .classes = shown ? "" : "off",
+                       .points = {},
+                       .text = std::string(name)});
 }
 
 void Picture::EndLayer() {
@@ -223,6 +226,12 @@ void Picture::Rounds(std::vector<std::vector<Point>> rounds, std::string_view cl
                        .classes = std::string(classes),
                        .points = {},
                        .rounds = std::move(rounds)});
+}
+
+void Picture::Rounds(std::vector<Raster> rounds) {
+  if (rounds.empty()) return;
+  elements_.push_back(
+      {.kind = Element::Kind::kRounds, .classes = "", .points = {}, .rasters = std::move(rounds)});
 }
 
 void Picture::Add(const Picture& other, Point by) {

@@ -52,6 +52,7 @@ struct Element {
   std::string name = {};             // of a circle: written beside it where there is room
   std::vector<double> times_s = {};  // of a polyline's points; empty where they have none
   std::vector<std::vector<Point>> rounds = {};  // what stood there before, round by round
+  std::vector<Raster> rasters = {};             // the same of an image
   std::optional<Rgb> fill = {};                 // where no class says
   Raster raster = {};
 };
@@ -82,12 +83,14 @@ class Picture {
   // Everything until the matching EndClip is cut at this rectangle.
   void BeginClip(const Panel& panel);
   void EndClip();
-  // Everything until the matching EndLayer can be shown and hidden by this name. Layers do not nest.
-  void BeginLayer(std::string_view name);
+  // Everything until the matching EndLayer can be shown and hidden by this name. Layers do not nest. One that
+  // is not `shown` waits to be asked for: a file has nothing of it.
+  void BeginLayer(std::string_view name, bool shown = true);
   void EndLayer();
   // What stood, one round after the other, in the place of what the layer shows: places that map_viewer.js
   // draws on demand.
   void Rounds(std::vector<std::vector<Point>> rounds, std::string_view classes);
+  void Rounds(std::vector<Raster> rounds);
   // Where on the world what is clipped by the panel lies: then people can look around in it (map_viewer.js).
   void SetMap(const MapFrame& frame) { map_ = frame; }
   // All of another, moved by `by`.

@@ -33,8 +33,9 @@ class Painter {
 
   void Paint(const Element& shape) {
     using enum Element::Kind;
+    if (shape.kind == kBeginLayer || shape.kind == kEndLayer) hidden_ = shape.classes == "off";
+    if (shape.kind == kBeginLayer || shape.kind == kEndLayer || shape.kind == kRounds || hidden_) return;
     const Look look = LookOf(shape.classes);
-    if (shape.kind == kBeginLayer || shape.kind == kEndLayer || shape.kind == kRounds) return;
     if (shape.kind == kBeginClip) {
       seen_ = Pixels(shape) & cv::Rect(0, 0, image_.cols, image_.rows);
     } else if (shape.kind == kEndClip) {
@@ -228,8 +229,9 @@ class Painter {
   }
 
   double scale_;
-  cv::Mat image_;  // RGB
-  cv::Rect seen_;  // what is not cut
+  cv::Mat image_;        // RGB
+  cv::Rect seen_;        // what is not cut
+  bool hidden_ = false;  // within a layer that is not shown
 };
 
 }  // namespace

@@ -73,6 +73,7 @@ constexpr Look kLooks[] = {
      .stroke_opacity = 0.6,
      .width = 1},
     {.name = "truth-landmark", .fill = "none", .stroke = "truth", .width = 1.8},
+    {.name = "moved", .fill = "none", .stroke = "bad", .width = 1.6, .dashes = "3 3"},
     {.name = "miss", .stroke = "bad", .width = 1.6},
     {.name = "wall", .stroke = "wall", .stroke_opacity = 0.8, .width = 1},
     {.name = "edge", .fill = "none", .stroke = "ink", .width = 2.4},
@@ -220,6 +221,7 @@ button { font:13px/1 inherit; color:var(--ink); background:var(--paper); border:
 .viewer-place { position:absolute; top:10px; left:10px; padding:2px 7px; border-radius:4px; background:var(--paper); opacity:.9;
   font-size:12.5px; color:var(--soft); font-variant-numeric:tabular-nums; pointer-events:none; }
 .viewer-place:empty { display:none; }
+g.off { display:none; }
 .viewer-layers { display:flex; flex-wrap:wrap; gap:2px 18px; list-style:none; margin:0 0 8px; padding:0; font-size:13.5px; }
 .viewer-layers label, .viewer-time { display:flex; align-items:center; gap:6px; }
 .viewer-time { font-size:13.5px; margin:8px 0 0; gap:2px 12px; flex-wrap:wrap; }

@@ -16,24 +16,35 @@
 namespace cairn::datasets::report {
 namespace {
 
-constexpr std::int64_t kMostCellsOfPage = 3000;  // along an edge: more are drawn as blocks
+constexpr std::int64_t kMostCellsOfPage = 3000;     // along an edge: more are drawn as blocks
+constexpr std::int64_t kMostCellsOfEarlier = 1000;  // of maps that came before
 
 // A layer with what lies on it.
-Picture LayerPicture(const CellPicture& picture, const std::string& label, const Scene& scene, double width) {
+Picture LayerPicture(const CellPicture& picture, const std::vector<Raster>& earlier, const std::string& label,
+                     const Scene& scene, double width) {
   const CellPicture blocks = InBlocks(picture, kMostCellsOfPage);
   return MapPicture(scene, width,
-                    {.below = MapCells{CellsRaster(blocks), BoxOf(blocks.box)},
+                    {.below = MapCells{CellsRaster(blocks), BoxOf(blocks.box), earlier},
                      .round_cells = true,
                      .label = label,
                      .highest = 0.9});
 }
 
+std::vector<Raster> EarlierRasters(const Blob& map) {
+  std::vector<Raster> rasters;
+  for (const CellPicture& earlier : EarlierMaps(map))
+    rasters.push_back(CellsRaster(earlier, kMostCellsOfEarlier));
+  return rasters;
+}
+
 std::string LayerHtml(const Blob& map, MapLayer layer, const std::string& label, const Scene& scene,
-                      const std::vector<LegendEntry>& legend, const std::string& caption) {
+                      const std::vector<LegendEntry>& legend, const std::string& caption,
+                      const std::vector<Raster>& earlier = {}) {
   const auto picture = PictureOf(map, layer);
   if (!picture) return {};
   return LegendHtml(legend) +
-         DrawingHtml([&](double width) { return LayerPicture(*picture, label, scene, width); }, caption);
+         DrawingHtml([&](double width) { return LayerPicture(*picture, earlier, label, scene, width); },
+                     caption);
 }
 
 std::vector<LegendEntry> DifferenceLegend() {
@@ -177,7 +188,9 @@ std::string MovedHtml(const Blob& map) {
 std::string GridSoFarHtml(const Blob& map) {
   return SectionHtml("Map", LayerHtml(map, MapLayer::kProbability, "Map so far", {},
                                       {SwatchEntry(kPaper, "free"), SwatchEntry(kBlack, "occupied")},
-                                      "The map that the search holds. What it does not know yet is free.")) +
+                                      "The map that the search holds. What it does not know yet is free. The "
+                                      "slider shows those that it held before.",
+                                      EarlierRasters(map))) +
          SectionHtml("Convergence", HistoryHtml(map));
 }
 
@@ -196,7 +209,9 @@ std::string GridMapHtml(const Blob& map, const Blob* log, const GridEvaluation* 
           {SwatchEntry(kPaper, "free"), SwatchEntry(kBlack, "occupied"),
            SwatchEntry(kUnknown, "nothing known")},
           "The map under which the data are likeliest: a cell is free unless they speak for an obstacle, "
-          "however little they say; how sure that is shows the map above."));
+          "however little they say; how sure that is shows the map above. The slider shows the maps that the "
+          "search held before.",
+          EarlierRasters(map)));
   html += SectionHtml(
       "What the data say of each cell",
       LayerHtml(map, MapLayer::kDifference, "Log-likelihood difference by cell", {}, DifferenceLegend(),

@@ -73,6 +73,25 @@ TEST(CellPicture, ShowsWhatMoved) {
   EXPECT_GT(image.at<cv::Vec3b>(1, 1)[0], 200);
 }
 
+TEST(CellPicture, OfEarlierMapsHasThoseThatDiffer) {
+  Blob map = WithAllLayers();
+  EXPECT_TRUE(EarlierMaps(map).empty());
+  map.PutVector<std::int64_t>("history/changed_iteration", {0, 0, 2});
+  map.PutVector<std::int64_t>("history/changed_cell", {0, 3, 0});
+  const std::vector<CellPicture> earlier = EarlierMaps(map);
+  ASSERT_EQ(earlier.size(), 2U) << "in round 1 nothing changed";
+  EXPECT_EQ(earlier[0].At(0, 0), kBlack);
+  EXPECT_EQ(earlier[0].At(0, 1), kBlack);
+  EXPECT_EQ(earlier[1].At(0, 0), kPaper);
+  EXPECT_EQ(earlier[1].At(0, 1), kBlack);
+  EXPECT_EQ(earlier[1].At(2, 0), kUnknown) << "as in the end";
+  ASSERT_EQ(EarlierMaps(map, 1).size(), 1U);
+  EXPECT_EQ(EarlierMaps(map, 1)[0].At(0, 0), kPaper) << "of more than some the last";
+  EXPECT_NE(GridPageOf(map, nullptr, nullptr, "x").find("data-rounds=\"iVBOR"), std::string::npos);
+  map.PutVector<std::int64_t>("history/changed_cell", {0, 3, 6});
+  EXPECT_THROW(EarlierMaps(map), InputError);
+}
+
 TEST(CellPicture, OfALargeMapKeepsWhatIsOccupied) {
   std::vector<std::string> rows(1, std::string(7000, '.'));
   rows[0][5001] = '#';

@@ -18,6 +18,21 @@ const looksOf = (svg, cache, tag, classes) => {
   return cache.get(key);
 };
 
+const pngOf = (base64, then) => {
+  const image = new Image();
+  image.onload = then;
+  image.src = `data:image/png;base64,${base64}`;
+  return image;
+};
+
+// What the colour of a cell says of a difference of log-likelihoods (cell_picture.h): its root is the share of the full colour.
+const differenceOf = (red, green, blue) => {
+  const [free, occupied] = [(208 - red) / (208 - 31), (208 - blue) / (208 - 30)];
+  if (Math.max(red, green, blue) - Math.min(red, green, blue) < 3) return ", the data do not tell";
+  const share = red < blue ? free : occupied, nats = 10 * share ** 2;
+  return `, ${red < blue ? "−" : "+"}${nats.toFixed(1)}${share > 0.99 ? " nat or more" : " nat"}`;
+};
+
 const readShape = (element) => {
   const shape = {tag: element.tagName, classes: element.getAttribute("class") || "",
     tip: element.querySelector("title")?.textContent || "", name: element.getAttribute("data-name")};

@@ -8,7 +8,7 @@ class MapViewer {
     this.panel = {left, top, width, height};
     this.metres = {perUnit: (xHigh - xLow) / width, x: xLow, y: yHigh, height: yHigh - yLow};
     this.layers = [...svg.querySelectorAll("g[data-layer]")].map((group) => ({
-      name: group.getAttribute("data-layer"), shown: true,
+      name: group.getAttribute("data-layer"), shown: !group.classList.contains("off"),
       shapes: [...group.children].map(readShape).filter((shape) => shape)}));
     this.layers = this.layers.filter((layer) => layer.shapes.length > 0);
     this.readRounds();
@@ -53,7 +53,7 @@ class MapViewer {
     const named = this.layers.some((layer) => layer.shapes.some((shape) => shape.name));
     for (const layer of named ? [...this.layers, this.names] : this.layers) {
       const check = make("input", {type: "checkbox"});
-      check.checked = true;
+      check.checked = layer.shown;
       check.addEventListener("change", () => {
         layer.shown = check.checked;
         this.draw();
@@ -66,14 +66,17 @@ class MapViewer {
   // The maps that came before this one: of the layer that has them, its circles are this one's.
   readRounds() {
     const group = this.svg.querySelector("[data-rounds]");
-    this.rounds = (group?.getAttribute("data-rounds") || "").split(";").filter((text) => text).map((round) =>
-      round.split(" ").map((place) => {
-        const [x, y] = place.split(",").map(Number);
-        return {tag: "circle", classes: group.getAttribute("class"), tip: "", name: null, x, y, r: 3.2};
-      }));
-    this.round = null;  // of `rounds`; null: this one
     const name = group?.closest("g[data-layer]").getAttribute("data-layer");
     this.roundsLayer = this.layers.find((layer) => layer.name === name);
+    const cells = this.roundsLayer?.shapes.find((shape) => shape.image);
+    this.rounds = (group?.getAttribute("data-rounds") || "").split(";").filter((text) => text).map((round) => {
+      if (cells) return [{...cells, pixels: null, image: pngOf(round, () => this.draw())}];
+      return round.split(" ").map((place) => {
+        const [x, y] = place.split(",").map(Number);
+        return {tag: "circle", classes: group.getAttribute("class"), tip: "", name: null, x, y, r: 3.2};
+      });
+    });
+    this.round = null;  // of `rounds`; null: this one
   }
   shapesOf(layer) {
     return this.round !== null && layer === this.roundsLayer ? this.rounds[this.round] : layer.shapes;
@@ -84,7 +87,9 @@ class MapViewer {
     const last = this.rounds.length;
     return [this.slider("Iteration", last, (value) => {
       this.round = value < last ? value : null;
-      return value < last ? `${value + 1} of ${last}, ${this.rounds[value].length} landmarks` : "this map";
+      if (value === last) return "this map";
+      const of = this.rounds[value];
+      return `${value + 1} of ${last}` + (of[0]?.image ? "" : `, ${of.length} landmarks`);
     })];
   }
 
@@ -150,11 +155,11 @@ class MapViewer {
   // What look() takes in a picture of the same place; the last iteration is the last there, too.
   looking() {
     return {...this.toMetres({x: this.size.width / 2, y: this.size.height / 2}), whole: this.whole,
-      perMetre: this.scale / this.metres.perUnit, round: this.round, hidden: this.layers.filter((l) => !l.shown).map((l) => l.name)};
+      perMetre: this.scale / this.metres.perUnit, round: this.round, hidden: [...this.layers, this.names].filter((l) => !l.shown).map((l) => l.name)};
   }
   look(at) {
     for (const check of this.root.querySelectorAll(".viewer-layers input"))
-      if (at.hidden.includes(check.parentElement.textContent)) check.click();
+      if (at.hidden.includes(check.parentElement.textContent) === check.checked) check.click();
     const slider = this.root.querySelector('input[aria-label="Iteration"]');
     if (slider && at.round !== null) {
       slider.value = at.round;
@@ -524,10 +529,11 @@ class MapViewer {
     return {...metres, time: found.time, apart: Math.sqrt(best) * this.scale};
   }
 
-  // Of a picture of cells: the colour's meaning is the legend's, its probability is said.
+  // Of a picture of cells: what a cell's colour says.
   cellAt(at) {
-    const shape = this.layers.find((layer) => layer.shown && layer.shapes[0].image)?.shapes[0];
-    if (!shape || !/probability/i.test(this.svg.getAttribute("aria-label"))) return "";
+    const cells = this.layers.find((layer) => layer.shown && layer.shapes[0].image);
+    const shape = cells && this.shapesOf(cells)[0], label = this.svg.getAttribute("aria-label");
+    if (!shape) return "";
     if (!shape.pixels) {
       if (!shape.image.complete) return "";
       const canvas = make("canvas", {width: shape.image.width, height: shape.image.height});
@@ -538,8 +544,11 @@ class MapViewer {
     const column = Math.floor((this.x + at.x / this.scale - shape.x) / shape.width * shape.image.width);
     const row = Math.floor((this.y + at.y / this.scale - shape.y) / shape.height * shape.image.height);
     if (column < 0 || row < 0 || column >= shape.image.width || row >= shape.image.height) return "";
-    const [red, , blue] = shape.pixels.getImageData(column, row, 1, 1).data;
+    const [red, green, blue] = shape.pixels.getImageData(column, row, 1, 1).data;
+    if (/difference/.test(label)) return differenceOf(red, green, blue);
+    if (!/probability|map so far|most likely map/i.test(label)) return "";
     if (red !== blue) return ", nothing known";
+    if (!/probability/i.test(label)) return red < 128 ? ", occupied" : ", free";
     const probability = red >= 220 ? (255 - red) / 70 : (1 - red / 220) / 2 + 0.5;
     return `, p(occupied) ${probability.toFixed(2)}`;
   }

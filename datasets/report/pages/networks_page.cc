@@ -83,8 +83,6 @@ std::vector<std::vector<ChartPoint>> OutputsAlongRun(const Blob& result) {
   return outputs;
 }
 
-namespace {
-
 std::string OutputsHtml(const Blob& result) {
   std::string html;
   const auto outputs = OutputsAlongRun(result);
@@ -98,6 +96,8 @@ std::string OutputsHtml(const Blob& result) {
              : "<p>Of the first run among those trained on: how likely each network's feature is.</p>\n" +
                    html;
 }
+
+namespace {
 
 // Of each network, layer by layer.
 std::string HiddenUnits(const kinds::Networks::Weights& weights) {

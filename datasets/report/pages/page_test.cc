@@ -106,6 +106,25 @@ class Page : public ::testing::Test {
   const std::string html_ = HtmlOf(map_);
 };
 
+TEST_F(Page, AMapMarksWhatMovedAndHasOdometryForWhoAsksForIt) {
+  Blob map = map_;
+  std::vector<std::int32_t> identity(static_cast<std::size_t>(map.at("map/landmark_x_m").size()), -1);
+  identity[1] = 0;
+  map.PutVector("map/landmark_identity", identity);
+  map.Put("landmarks", Array::Texts({"door"}));
+  map.PutVector<std::int32_t>("moved/landmark", {0});
+  map.PutVector<double>("moved/until_s", {298.25});
+  map.PutVector<double>("moved/from_s", {310});
+  const Picture with_odometry = MapPicture(MakeScene(map, &log_, nullptr), 1000);
+  const std::string svg = with_odometry.Svg();
+  EXPECT_EQ(Between(svg, "<circle class=\"moved\"", ", was moved between 298.3 s and 310 s</title>").size(),
+            1U)
+      << svg.substr(0, 3000);
+  EXPECT_NE(svg.find("<g class=\"off\" data-layer=\"odometry alone\">"), std::string::npos);
+  EXPECT_EQ(with_odometry.Png(1), MapPicture(MakeScene(map, nullptr, nullptr), 1000).Png(1))
+      << "what nobody has asked for is in no file";
+}
+
 // Of the style rules that set the size of text in drawings.
 double SmallestLetters(const std::string& html) {
   const std::string style = Between(html, "<style>", "</style>").at(0);

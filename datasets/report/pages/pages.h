@@ -18,9 +18,8 @@ namespace cairn::datasets::report {
 std::string LandmarkMapHtml(const Blob& result, const Blob* log, const Evaluation* evaluation);
 std::string GridMapHtml(const Blob& map, const Blob* log, const GridEvaluation* evaluation);
 
-// Of a map_so_far. Its map, which the picture is of, as a landmark_map or a grid_map would have it.
 std::string SoFarHtml(const Blob& so_far);
-Blob MapOfSoFar(const Blob& so_far);
+std::string SoFarPng(const Blob& so_far, int width_px);
 // The map and its history, of such a map of cells.
 std::string GridSoFarHtml(const Blob& map);
 
@@ -33,6 +32,7 @@ std::string NetworksHtml(const Blob& result);
 // What each network makes of the places it was trained at, by distance travelled in the first run; the same
 // as the bytes of a PNG.
 std::vector<std::vector<ChartPoint>> OutputsAlongRun(const Blob& result);
+std::string OutputsHtml(const Blob& result);
 std::string NetworksPng(const Blob& result);
 
 // `samples`: what it was made from, null where errors are not asked for.

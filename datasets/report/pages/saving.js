@@ -21,7 +21,7 @@ const fileName = (element, ending) => {
   return title.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "") + ending;
 };
 
-const styled = ["fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width", "stroke-dasharray",
+const styled = ["display", "fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width", "stroke-dasharray",
   "stroke-linejoin", "stroke-linecap", "font-size", "font-weight", "font-family", "text-anchor", "paint-order"];
 // A copy that looks the same outside of its page.
 const standalone = (svg) => {
@@ -32,6 +32,7 @@ const standalone = (svg) => {
     for (const name of styled) to[i].setAttribute(name, looks.getPropertyValue(name));
     to[i].removeAttribute("class");
   });
+  for (const unseen of copy.querySelectorAll("[data-rounds], g[display=none]")) unseen.remove();
   const [, , width, height] = svg.getAttribute("viewBox").split(" ");
   copy.setAttribute("width", width);
   copy.setAttribute("height", height);

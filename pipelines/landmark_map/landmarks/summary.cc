@@ -213,6 +213,35 @@ PoseSummary Summarise(const LayeredGrid& belief, const GridSpec& grid) {
   return pose;
 }
 
+// Of every step of every round, so it adds up in lanes, which run side by side.
+Point MeanPosition(const LayeredGrid& belief, const GridSpec& grid) {
+  constexpr int kLanes = 4;
+  double mass = 0, x = 0, y = 0;
+  for (const Layer& layer : belief.layers) {
+    const int end = layer.box.x0 + layer.box.nx;
+    for (int j = layer.box.y0; j < layer.box.y0 + layer.box.ny; ++j) {
+      const auto row = layer.Row(j);
+      double sum[kLanes] = {}, along[kLanes] = {};
+      int i = layer.box.x0;
+      for (; i + kLanes <= end; i += kLanes) {
+        for (int k = 0; k < kLanes; ++k) {
+          sum[k] += row[i + k];
+          along[k] += row[i + k] * (i + k);
+        }
+      }
+      for (; i < end; ++i) {
+        sum[0] += row[i];
+        along[0] += row[i] * i;
+      }
+      const double of_row = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+      mass += of_row;
+      x += (along[0] + along[1]) + (along[2] + along[3]);
+      y += of_row * j;
+    }
+  }
+  return {x / mass * grid.cell_m, y / mass * grid.cell_m};
+}
+
 namespace {
 
 // The class that the observations within `radius` cells speak for.

@@ -26,6 +26,7 @@ struct PoseSummary {
   }
 };
 PoseSummary Summarise(const LayeredGrid& belief, const GridSpec& grid);
+Point MeanPosition(const LayeredGrid& belief, const GridSpec& grid);
 
 // A landmark drawn from the expected counts.
 struct Landmark {

@@ -45,6 +45,17 @@ LayeredGrid Scattered(int headings, int c, std::uint64_t seed) {
 
 // Mean and covariance by their definition: E[v] and E[v v'] - E[v] E[v]', headings counted from layer `c`, as
 // they are few and small.
+TEST(MeanPosition, IsThatOfTheSummary) {
+  const GridSpec grid{0.5, 72};
+  LayeredGrid belief = Scattered(grid.headings, 20, 1);
+  belief.layers[3] = Layer(Box{-9, 2, 7, 2});
+  for (int i = 0; i < 14; ++i) belief.layers[3].values[static_cast<std::size_t>(i)] = 0.01 * i;
+  const PoseSummary pose = Summarise(belief, grid);
+  const Point mean = MeanPosition(belief, grid);
+  EXPECT_NEAR(mean.x_m, pose.x_m, 1e-12);
+  EXPECT_NEAR(mean.y_m, pose.y_m, 1e-12);
+}
+
 TEST(Summarise, TheCovarianceIsTheMeanOfProductsLessTheProductOfMeans) {
   const GridSpec grid{0.5, 72};
   const double step = 2.0 * std::numbers::pi / grid.headings;

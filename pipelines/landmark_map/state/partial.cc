@@ -35,6 +35,11 @@ void PartialBuilder::Add(int step, const LayeredGrid& belief) {
     Count(steps.observations[k], settings_.map.grid, belief, &counts_);
   }
   increments_.AddHeading(HeadingOf(belief), step + 1 < slice_.end ? slice_.steps.path_m[step + 1] : 0.0);
+  constexpr int kMostPoints = 2000;  // of a robot's path
+  if (step % (1 + steps.size() / kMostPoints) == 0) {
+    const Point mean = MeanPosition(belief, settings_.map.grid);
+    path_.push_back({robot_, steps.time_s[static_cast<std::size_t>(step)], mean.x_m, mean.y_m});
+  }
   if (landmarks_ == nullptr) return;
   const auto at = static_cast<std::size_t>(step - slice_.first);
   poses_[at] = Summarise(belief, settings_.map.grid);
@@ -91,6 +96,7 @@ Blob PartialBuilder::Finish(const Alphas& alphas) const {
   partial.PutScalar<double>("log_likelihood", alphas.log_likelihood);
   partial.PutScalar<double>("work", alphas.work);
   PutFields("increments/", increments_, &partial);
+  PutRows("path/", path_, &partial);
   partial.PutScalar<double>("first_path_m", slice_.steps.path_m[slice_.first]);
   partial.PutScalar<std::int32_t>("robot", robot_);
   partial.PutScalar<std::int32_t>("first", slice_.first);
@@ -213,6 +219,7 @@ void RoundSum::Add(const Blob& partial) {
   work_[robot] += partial.Scalar<double>("work");
   increments_[robot].Join(FieldsIn<IncrementSums>("increments/", partial), first_path_m_[robot]);
   first_path_m_[robot] = partial.Scalar<double>("first_path_m");
+  if (partial.Has("path/robot")) AppendRows("path/", partial, &path_);
   if (partial.Has("pose/x_m")) summaries_[robot].push_back(SummaryOf(partial));
   if (partial.Has("confirmed")) {
     ++guessed_[robot];
@@ -241,6 +248,11 @@ void RoundSum::Check() const {
   RequireAllWithin("work", work_, 0.0, kMostWork);
   RequireAllWithin("first_path_m", first_path_m_, 0.0, kFar_m);
   RequireAllWithin("slices that were guessed", guessed_, std::int64_t{0}, std::int64_t{1} << 40);
+  for (const PathPoint& at : path_) {
+    RequireWithin("the robot of a path", std::int64_t{at.robot}, 0, std::ssize(work_) - 1);
+    RequirePoses("a path", std::array{Pose{at.x_m, at.y_m, 0.0}});
+    RequireWithin("a path's time", at.time_s, -kMostNats, kMostNats);
+  }
   for (std::size_t r = 0; r < guessed_.size(); ++r)
     RequireWithin("slices that were guessed right", confirmed_[r], 0, guessed_[r]);
 }

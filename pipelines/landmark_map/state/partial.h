@@ -11,9 +11,22 @@
 
 namespace cairn::landmark_map {
 
-// Fields: counts/…, increments/…, log_likelihood, work, robot, first, first_path_m (distance travelled to the
-// slice's first step); with landmarks also pose/… (a row a step), association/… (a row an observation of the
-// slice) and, where they are kept, belief/… (a layer a step, added up over headings).
+// Where a step's belief has a robot on average: for people to look at.
+struct PathPoint {
+  std::int32_t robot = 0;
+  double time_s = 0, x_m = 0, y_m = 0;
+  static void Fields(const auto& field) {
+    field("robot", &PathPoint::robot);
+    field("time_s", &PathPoint::time_s);
+    field("x_m", &PathPoint::x_m);
+    field("y_m", &PathPoint::y_m);
+  }
+};
+
+// Fields: counts/…, increments/…, path/… (a row a step, of long logs every so many), log_likelihood, work,
+// robot, first, first_path_m (distance travelled to the slice's first step); with landmarks also pose/… (a
+// row a step), association/… (a row an observation of the slice) and, where they are kept, belief/… (a layer
+// a step, added up over headings).
 class PartialBuilder {
  public:
   // `landmarks`: nullptr where no summary is wanted.
@@ -38,6 +51,7 @@ class PartialBuilder {
   int robot_;
   const std::vector<Landmark>* landmarks_;
   LayeredGrid counts_;
+  std::vector<PathPoint> path_;
   std::vector<PoseSummary> poses_;         // [end - first]
   LayeredGrid beliefs_;                    // [end - first], or empty where they are not kept
   std::vector<std::int32_t> association_;  // per observation of the slice
@@ -84,6 +98,7 @@ class RoundSum {
   double log_likelihood_of(std::size_t robot) const { return log_likelihood_of_[robot]; }
   double WorkOf(std::size_t robot) const { return work_[robot]; }
   const std::vector<IncrementSums>& increments() const { return increments_; }  // per robot
+  const std::vector<PathPoint>& path() const { return path_; }                  // in no order
   // Slices that were guessed, and those of them that were guessed right.
   std::int64_t guessed(std::size_t robot) const { return guessed_[robot]; }
   std::int64_t confirmed(std::size_t robot) const { return confirmed_[robot]; }
@@ -99,6 +114,7 @@ class RoundSum {
     field("guessed", &RoundSum::guessed_);
     field("confirmed", &RoundSum::confirmed_);
     field("first_path_m", &RoundSum::first_path_m_);
+    field("path", &RoundSum::path_);
   }
 
  private:
@@ -112,6 +128,7 @@ class RoundSum {
   std::vector<double> work_;
   std::vector<IncrementSums> increments_;
   std::vector<double> first_path_m_;  // per robot: distance travelled to the earliest step so far
+  std::vector<PathPoint> path_;
   std::vector<std::vector<Blob>> summaries_;
   std::vector<std::int64_t> guessed_, confirmed_;  // per robot
 };

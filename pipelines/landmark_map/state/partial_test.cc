@@ -39,6 +39,8 @@ TEST(RoundSum, RefusesWhatNoPartialHolds) {
   ExpectRefused([](Blob* partial) { partial->PutScalar<double>("work", -2.0); });
   ExpectRefused([](Blob* partial) { partial->PutScalar<std::int32_t>("robot", 1); });
   ExpectRefused([](Blob* partial) { partial->PutScalar<std::int32_t>("confirmed", 2); });
+  for (const PathPoint& nowhere : {PathPoint{0, 0, kNan, 0}, PathPoint{0, kNan, 0, 0}, PathPoint{1, 0, 0, 0}})
+    ExpectRefused([&](Blob* partial) { PutRows("path/", std::vector{nowhere}, partial); });
   MapRules of_another_map;
   of_another_map.types = 1;
   ExpectRefused([&](Blob* partial) { NoCounts(of_another_map).Store("counts/", partial); });

@@ -21,4 +21,23 @@ Point MovedBy(const RecordedTrace& trace, const std::vector<PathNode>& nodes) {
   return count > 0 ? Point{sum.x_m / count, sum.y_m / count} : Point{};
 }
 
+std::vector<Point> EdgesOf(const std::vector<RecordedTrace>& traces, const std::vector<PathNode>& nodes) {
+  std::vector<Point> edges;
+  for (const RecordedTrace& recorded : traces) {
+    const Point by = MovedBy(recorded, nodes);
+    const EdgeTrace& trace = recorded.trace;
+    for (int z = trace.first_z(); z < trace.end_z(); ++z) {
+      const Feature& feature = *trace.Find(z);
+      for (const double sign : {1.0, -1.0}) {
+        const Side& side = sign > 0 ? feature.left : feature.right;
+        if (!side.distance_m.known() || side.occupied == 0) continue;
+        const Point at =
+            recorded.frame.Local({z * trace.cell_m(), sign * side.distance_m.centre()}, trace.cell_m());
+        edges.push_back({at.x_m + by.x_m, at.y_m + by.y_m});
+      }
+    }
+  }
+  return edges;
+}
+
 }  // namespace cairn::local_map

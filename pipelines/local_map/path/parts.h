@@ -34,4 +34,7 @@ std::int32_t TraceAt(const Parts& parts, std::size_t robot, std::size_t scan);
 // on average.
 Point MovedBy(const RecordedTrace& trace, const std::vector<PathNode>& nodes);
 
+// Where the traces have edges of what is occupied, in the world frame.
+std::vector<Point> EdgesOf(const std::vector<RecordedTrace>& traces, const std::vector<PathNode>& nodes);
+
 }  // namespace cairn::local_map
