@@ -11,6 +11,8 @@
 #include <array>
 #include <atomic>
 #include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
@@ -144,6 +146,15 @@ std::uint64_t DrawProcess() {
   return (static_cast<std::uint64_t>(device()) << 32 | device()) | 1;
 }
 
+void AddVitals(wire::Heartbeat* heartbeat) {
+  double load = 0;
+  if (::getloadavg(&load, 1) == 1) heartbeat->set_load(load);
+  std::ifstream pages("/proc/self/statm");
+  std::uint64_t all = 0, resident = 0;
+  if (pages >> all >> resident)
+    heartbeat->set_memory_bytes(resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)));
+}
+
 WorkerOptions MakeOptions(const Arguments& a) {
   FixNumericsOfThread();
   WorkerOptions options;
@@ -162,6 +173,7 @@ WorkerOptions MakeOptions(const Arguments& a) {
   options.drain = &g_drain;
   options.drain_s = a.drain_s;
   options.session.cache_bytes = a.cache_mb << 20;
+  options.session.add_vitals = AddVitals;
   options.session.exit_on_leave = a.die_with_parent;
   // A private worker whose parent died before PR_SET_PDEATHSIG took hold finds nobody.
   options.session.first_contact_s = a.die_with_parent ? 30 : 0;

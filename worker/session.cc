@@ -324,6 +324,7 @@ void Session::SendHeartbeat(double now_s) {
   heartbeat_sent_s_ = now_s;
   wire::Message message;
   *message.envelope.mutable_heartbeat() = queue_.Assigned();
+  if (options_.add_vitals) options_.add_vitals(message.envelope.mutable_heartbeat());
   outbox_.push_back(std::move(message));
   if (!leave_by_s_) return;
   wire::Message drain;  // with each heartbeat: a word may get lost

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -26,7 +27,9 @@ struct SessionOptions {
   std::size_t cache_bytes = 1u << 30;
   std::vector<wire::NamedBlob> given;  // that it has from the beginning, and need not fetch
   bool exit_on_leave = false;          // a private worker of one run; else it waits for the next coordinator
-  double first_contact_s = 0;          // give up where nobody has said Welcome by then; 0: never
+  // Says how its machine and its process are; may be empty.
+  std::function<void(wire::Heartbeat*)> add_vitals = {};
+  double first_contact_s = 0;  // give up where nobody has said Welcome by then; 0: never
   LogSink log = [](Severity, const std::string&) {};
 };
 

@@ -159,6 +159,14 @@ TEST(Conversation, AHeartbeatThatCannotBeIsRefusedAndALongOneShortened) {
   EXPECT_TRUE(rig.transport.Take(true).envelope.has_heartbeat());
 }
 
+TEST(Conversation, HeartbeatsSayHowItsMachineIs) {
+  Rig rig(AddIndex, [](WorkerOptions& options) {
+    options.session.add_vitals = [](wire::Heartbeat* heartbeat) { heartbeat->set_load(2.5); };
+  });
+  rig.Begin(1);
+  EXPECT_EQ(rig.transport.Take(true).envelope.heartbeat().load(), 2.5);
+}
+
 TEST(Conversation, NothingPilesUpForAPeerThatTakesNothing) {
   Rig rig(AddIndex);
   rig.Begin(1);

@@ -12,7 +12,10 @@ namespace {
 
 constexpr double kMostTask_s = 1e9;  // thirty years: whoever says more says no time, and sums stay numbers
 
-std::string Seconds(double seconds) { return fmt::format("{:.1f} s", seconds); }
+// Of a short one with milliseconds.
+std::string Seconds(double seconds) {
+  return fmt::format("{:.{}f} s", seconds, seconds > 0 && seconds < 1 ? 3 : 1);
+}
 
 // "stage 'map', round 3: 12 tasks in 0.8 s, 3.1 s of work: iteration 3"
 std::string RoundText(const Job& job, const proto::RoundFacts& round) {

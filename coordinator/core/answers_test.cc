@@ -148,6 +148,7 @@ TEST(CoreAnswers, AWorkerWhoseAnswerIsMalformedGetsNoMoreOfThatJobWhereThereAreO
   EXPECT_EQ(fixture.Sent(&wire::Envelope::has_cancel).size(), 2u) << "nor are its other answers waited for";
   ASSERT_EQ(fixture.core.FindJob("a")->failures.size(), 1u);
   EXPECT_NE(fixture.core.FindJob("a")->failures[0].find("host-w"), std::string::npos) << "says whose it was";
+  EXPECT_EQ(fixture.core.Workers().at(0).failures(), 1u);
   EXPECT_TRUE(fixture.core.fleet().Find("w")->assigned.empty());
   std::erase_if(fixture.assigned, [](const auto& task) { return task.peer == "w"; });
   for (std::uint64_t i = 0; i < 8; ++i) {

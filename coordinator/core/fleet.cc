@@ -29,6 +29,12 @@ const AssignedTask* Worker::Find(const wire::TaskKey& key) const {
   return nullptr;
 }
 
+void Worker::TakeVitals(const wire::Heartbeat& heartbeat) {
+  constexpr double kMostLoad = 1e6;
+  load = heartbeat.load() >= 0 && heartbeat.load() < kMostLoad ? heartbeat.load() : 0;
+  memory_bytes = heartbeat.memory_bytes();
+}
+
 bool Worker::Tick(const wire::TaskKey& key, std::uint64_t ticks, double now_s) {
   for (AssignedTask& task : assigned) {
     if (ticks <= task.ticks || !SameAttempt(task.key, key)) continue;
@@ -64,7 +70,7 @@ Worker& Fleet::Add(const std::string& peer, const wire::Hello& hello, double now
   worker.number = number;
   worker.peer = peer;
   worker.hello = hello;
-  worker.heard_s = worker.moved_s = worker.head_s = now_s;
+  worker.joined_s = worker.heard_s = worker.moved_s = worker.head_s = now_s;
   ++able_;  // so that Unfile finds it filed
   Refile(worker, [] {});
   return worker;
@@ -193,6 +199,10 @@ wire::WorkerInfo MakeInfo(const Worker& worker, double now_s) {
   info.set_slots(worker.hello.slots());
   info.set_assigned(static_cast<std::uint32_t>(worker.assigned.size()));
   info.set_silent_s(now_s - worker.heard_s);
+  info.set_joined_s(now_s - worker.joined_s);
+  info.set_failures(worker.failures);
+  info.set_load(worker.load);
+  info.set_memory_bytes(worker.memory_bytes);
   if (!worker.assigned.empty()) info.set_task_s(now_s - worker.head_s);
   return info;
 }

@@ -36,9 +36,13 @@ struct Worker {
   double heard_s = 0;      // last sign of life
   double moved_s = 0;      // last sign of progress: an answer, a tick, or its first task
   double head_s = 0;       // when the first assigned came to be the first
-  bool hung = false;       // gets nothing until it moves again
-  bool draining = false;   // gets nothing any more, and leaves
-  bool doubted = false;    // another was lost since this one was last heard of: it may be gone, too
+  double joined_s = 0;
+  double load = 0;  // as its last heartbeat says
+  std::uint64_t memory_bytes = 0;
+  std::uint64_t failures = 0;  // attempts that failed at it
+  bool hung = false;           // gets nothing until it moves again
+  bool draining = false;       // gets nothing any more, and leaves
+  bool doubted = false;        // another was lost since this one was last heard of: it may be gone, too
   std::vector<AssignedTask> assigned;
   HashSet has;  // blobs that it was sent or made; it may have forgotten some
 
@@ -47,6 +51,7 @@ struct Worker {
   const AssignedTask* Find(const wire::TaskKey& key) const;
   // Ticks of what it is assigned. True where one moved.
   bool Tick(const wire::TaskKey& key, std::uint64_t ticks, double now_s);
+  void TakeVitals(const wire::Heartbeat& heartbeat);
 };
 
 // No call but the loops over workers() costs more than the logarithm of their number.

@@ -22,6 +22,7 @@ void Core::On(const TaskFailed& event) {
   if (!fleet_.Take(*worker, key, now_s_)) return RefuseAnswer(*worker, key);
   Job* job = JobOf(key);
   if (job == nullptr || !job->tasks.Withdraw(key.task(), key.attempt())) return;
+  ++worker->failures;
   if (event.failed.input_error())
     return FailJob(*job, job->TaskName(key.task()) + ": " + event.failed.message(), true);
   FailAttempt(*job, key.task(), event.failed.message());
@@ -31,6 +32,7 @@ void Core::On(const TaskFailed& event) {
 // the first case one worker alone must not use up a task's attempts; in the second others come to the same.
 void Core::Exclude(Job& job, const wire::TaskKey& key, Worker& worker, const std::string& wrong) {
   if (!job.tasks.Withdraw(key.task(), key.attempt())) return;
+  ++worker.failures;
   const std::string who = WorkerName(worker.hello);
   std::erase_if(job.excluded, [this](std::uint64_t number) { return fleet_.Find(number) == nullptr; });
   if (job.excluded.insert(worker.number).second)

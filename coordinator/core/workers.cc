@@ -92,6 +92,7 @@ Worker* Core::Heard(const std::string& peer) {
 void Core::On(const WorkerHeartbeat& event) {
   constexpr int kMostTasks = 10'000;  // far more than a worker ever has
   if (event.heartbeat.tasks_size() > kMostTasks) return;
+  if (Worker* known = fleet_.Find(event.peer)) known->TakeVitals(event.heartbeat);
   Worker* worker = Heard(event.peer);
   if (worker == nullptr) return;
   const wire::Heartbeat& heartbeat = event.heartbeat;

@@ -1,6 +1,8 @@
 // Workers: handshake, leases, hanging, limits, draining.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "coordinator/core/testing/core_fixture.h"
 
 namespace cairn::coordinator {
@@ -83,6 +85,24 @@ TEST(CoreWorkers, AnotherProtocolOrNoSlotsAreRefused) {
   fixture.Join("w", 0);
   EXPECT_EQ(fixture.Sent(&wire::Envelope::has_refuse).size(), 1u);
   EXPECT_EQ(fixture.All<Refused>().size(), 1u);
+}
+
+TEST(CoreWorkers, SayHowTheirMachinesAreAndSinceWhen) {
+  CoreFixture fixture;
+  fixture.Join("w");
+  fixture.Pass(5);
+  wire::Heartbeat heartbeat;
+  heartbeat.set_load(1.5);
+  heartbeat.set_memory_bytes(1000);
+  fixture.Do(WorkerHeartbeat{"w", heartbeat});
+  wire::WorkerInfo info = fixture.core.Workers().at(0);
+  EXPECT_EQ(info.load(), 1.5);
+  EXPECT_EQ(info.memory_bytes(), 1000u);
+  EXPECT_EQ(info.joined_s(), 5);
+  EXPECT_EQ(info.failures(), 0u);
+  heartbeat.set_load(std::nan(""));
+  fixture.Do(WorkerHeartbeat{"w", heartbeat});
+  EXPECT_EQ(fixture.core.Workers().at(0).load(), 0) << "no load";
 }
 
 TEST(CoreWorkers, AnUnknownWorkerIsAskedToSayHello) {

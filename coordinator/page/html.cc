@@ -82,6 +82,13 @@ std::string Number(double value) {
   return fmt::format("{:.3g}", value);
 }
 
+std::string SaveButton(const std::string& kind, const std::string& what) {
+  return fmt::format(
+      "<p class=\"save scripted\"><button type=\"button\" data-save=\"{0}\" aria-label=\"Save {1} as "
+      "{0}\">{0}</button></p>\n",
+      kind, what);
+}
+
 std::string StateBadge(const std::string& state) {
   return fmt::format(
       "<span class=\"state {0}\"><svg viewBox=\"0 0 16 16\" width=\"12\" height=\"12\" "

@@ -16,6 +16,9 @@ std::string Duration(double seconds);  // "0:07", "1:02:09"
 std::string Count(std::uint64_t count, const std::string& noun);
 std::string Number(double value);  // four digits that count, no exponent where it can be helped
 
+// Saves the picture ("SVG") or the table ("CSV") that it stands beside: of its figure, or of its section.
+std::string SaveButton(const std::string& kind, const std::string& what);
+
 // The sign and the word of a state of a job or worker.
 std::string StateBadge(const std::string& state);
 // Of 0 to 1; below 0: nothing is known.

@@ -71,6 +71,9 @@ std::string AdviceHtml(const wire::JobInfo& job, std::size_t workers) {
 // The name of a stage is known of the one under way, and of those whose rounds the log tells.
 std::map<std::uint32_t, std::string> StageNames(const wire::JobInfo& job, const HistoryPtr& history) {
   std::map<std::uint32_t, std::string> names;
+  for (const wire::StageInfo& stage : job.plan())
+    names.emplace(static_cast<std::uint32_t>(names.size()), stage.name());
+  if (!names.empty()) return names;
   std::vector<std::string> told;
   if (history)
     for (const RoundLine& round : history->rounds())
@@ -80,13 +83,72 @@ std::map<std::uint32_t, std::string> StageNames(const wire::JobInfo& job, const 
   return names;
 }
 
+std::string StateOfStage(const wire::JobInfo& job, std::uint32_t stage) {
+  const std::uint32_t done = StagesDone(job);
+  return stage < done ? "done" : stage == done ? job.state() : "not begun";
+}
+
+// Where each follows the one before alone, a list with arrows says it all.
+bool IsChain(const wire::JobInfo& job) {
+  for (int i = 1; i < job.plan_size(); ++i)
+    if (job.plan(i).after_size() != 1 || job.plan(i).after(0) + 1 != static_cast<std::uint32_t>(i))
+      return false;
+  return true;
+}
+
+// From the left to the right, each stage beyond those whose results it takes.
+std::string GraphHtml(const wire::JobInfo& job) {
+  constexpr double kWide = 170, kHigh = 62, kPitchX = 230, kPitchY = 80, kPad = 3;
+  std::vector<std::size_t> column, in_column;
+  std::vector<std::pair<double, double>> corner;
+  std::string boxes, lines, says;
+  double width = 0, height = 0;
+  for (const wire::StageInfo& stage : job.plan()) {
+    std::size_t at = 0;
+    for (const std::uint32_t before : stage.after())
+      if (before < column.size()) at = std::max(at, column[before] + 1);
+    in_column.resize(std::max(in_column.size(), at + 1));
+    const double x = kPad + kPitchX * static_cast<double>(at),
+                 y = kPad + kPitchY * static_cast<double>(in_column[at]++);
+    const auto number = static_cast<std::uint32_t>(column.size());
+    const bool now = number == StagesDone(job) && !IsOver(job);
+    for (const std::uint32_t before : stage.after()) {
+      if (before >= corner.size()) continue;
+      const auto [from_x, from_y] = corner[before];
+      lines += fmt::format("<path class=\"arrow\" d=\"M{} {}C{} {} {} {} {} {}\"/>", from_x + kWide,
+                           from_y + kHigh / 2, from_x + kPitchX, from_y + kHigh / 2, x - kPitchX + kWide,
+                           y + kHigh / 2, x - 8, y + kHigh / 2) +
+               fmt::format("<path class=\"head\" d=\"M{} {}l-9 -5v10z\"/>", x - 1, y + kHigh / 2);
+    }
+    const std::string state = StateOfStage(job, number);
+    boxes += fmt::format(
+        "<g class=\"{}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"10\"/><text x=\"{}\" "
+        "y=\"{}\"><title>{}</title>{}</text><text class=\"tick\" x=\"{}\" y=\"{}\">{} · {}</text></g>",
+        now                    ? "now"
+        : state == "not begun" ? "later"
+                               : "",
+        x, y, kWide, kHigh, x + 12, y + 27, Text(stage.name()), Text(CutTo(stage.name(), 20)), x + 12, y + 47,
+        Text(CutTo(stage.pipeline(), 18)), state);
+    says += (says.empty() ? "" : "; ") + Text(stage.name()) + " " + state;
+    column.push_back(at);
+    corner.emplace_back(x, y);
+    width = std::max(width, x + kWide + kPad);
+    height = std::max(height, y + kHigh + kPad);
+  }
+  return fmt::format(
+      "<h2>Stages</h2>\n<div class=\"graph\" tabindex=\"0\"><svg viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
+      "height=\"{1}\" role=\"img\" aria-label=\"Stages: {2}\">{3}{4}</svg></div>\n",
+      width, height, says, lines, boxes);
+}
+
 std::string StagesHtml(const wire::JobInfo& job, const HistoryPtr& history) {
+  if (!IsChain(job)) return GraphHtml(job);
   const std::map<std::uint32_t, std::string> names = StageNames(job, history);
   const std::uint32_t done = StagesDone(job);
   std::string items;
   for (std::uint32_t i = 0; i < job.stages(); ++i) {
     const bool now = i == done && !IsOver(job);
-    const std::string state = i < done ? "done" : i == done ? job.state() : "not begun";
+    const std::string state = StateOfStage(job, i);
     const auto name = names.find(i);
     items += fmt::format("<li class=\"{}\"{}><b>{}</b><span>{}</span></li>\n",
                          i < done ? "done"
@@ -211,8 +273,9 @@ std::string LogHtml(const wire::JobInfo& job, const HistoryPtr& history) {
               ? "The newest first."
               : fmt::format("The last {}, the newest first.", Count(lines.size() - first, "line"))) +
          " <a href=\"/jobs/" + UrlPart(job.id()) +
-         "/log.txt\">As text</a></p>\n<ol class=\"log\" tabindex=\"0\" " + "aria-label=\"Log\">\n" + rows +
-         "</ol>\n";
+         "/log.txt\">As text</a> <a download=\"rounds.csv\" href=\"/jobs/" + UrlPart(job.id()) +
+         "/rounds.csv\">Rounds as CSV</a></p>\n<ol class=\"log\" tabindex=\"0\" " + "aria-label=\"Log\">\n" +
+         rows + "</ol>\n";
 }
 
 }  // namespace
@@ -260,11 +323,11 @@ std::string TimesHtml(const FleetTimes& times, const std::string& job) {
   return fmt::format(
       "<h2>Tasks by worker</h2>\n<p>{}</p>\n<div class=\"scroll\" tabindex=\"0\"><svg class=\"times\" "
       "viewBox=\"0 0 {} "
-      "{}\" role=\"img\" aria-label=\"Tasks of each worker in the last two minutes\">{}</svg></div>\n",
+      "{}\" role=\"img\" aria-label=\"Tasks of each worker in the last two minutes\">{}</svg></div>\n{}",
       job.empty() ? "The last two minutes; tasks that are over within a part of a second are not all here."
                   : "The last two minutes: tall, its own tasks; low, those of other jobs. A long one is a "
                     "straggler, for which its round waits.",
-      kLabel + kLane, y + 22, svg);
+      kLabel + kLane, y + 22, svg, SaveButton("SVG", "this time line"));
 }
 
 Parts JobParts(const std::string& id, const ViewContext& context) {

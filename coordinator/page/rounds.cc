@@ -144,19 +144,22 @@ class Frame {
 std::string ChartHtml(const Chart& chart) {
   const std::vector<Point> points = Thinned(chart.points);
   const Frame frame(points);
-  std::string line;
-  for (const Point& point : points)
+  std::string line, values;
+  for (const Point& point : points) {
+    values += fmt::format("{}{},{}", values.empty() ? "" : " ", point.x, TickText(point.y));
     line += fmt::format("{}{:.1f} {:.1f}", line.empty() ? "M" : "L", frame.X(point.x), frame.Y(point.y));
+  }
   const Point& last = points.back();
   const std::string unit = chart.unit.empty() ? "" : (chart.unit == "%" ? "" : " ") + chart.unit;
   const std::string value = TickText(last.y) + unit;
   return fmt::format(
       "<figure class=\"chart\"><figcaption><span>{0}</span> <b>{1}</b></figcaption>"
-      "<svg viewBox=\"0 0 {2} {3}\" role=\"img\" aria-label=\"{0}: {1} after round {4:.0f}\">{5}"
+      "<svg viewBox=\"0 0 {2} {3}\" role=\"img\" aria-label=\"{0}: {1} after round {4:.0f}\" "
+      "data-from=\"{9}\" data-to=\"{10}\" data-unit=\"{11}\" data-values=\"{12}\">{5}"
       "<path class=\"curve\" d=\"{6}\"/><circle class=\"dot\" cx=\"{7:.1f}\" cy=\"{8:.1f}\" r=\"4\"/>"
-      "</svg></figure>\n",
+      "</svg>{13}</figure>\n",
       Text(chart.title), Text(value), kWidth, kHeight, last.x, frame.Axes(chart.unit), line, frame.X(last.x),
-      frame.Y(last.y));
+      frame.Y(last.y), kLeft, kWidth - kRight, Text(unit), values, SaveButton("SVG", "this curve"));
 }
 
 // In the order in which their first rounds came; the time that rounds take comes last.
@@ -238,6 +241,21 @@ std::string ChartsHtml(const std::vector<RoundLine>& rounds) {
   for (const Chart& chart : ChartsOf(rounds))
     if (chart.points.size() > 1) html += ChartHtml(chart);
   return html.empty() ? "" : "<div class=\"charts\">\n" + html + "</div>\n";
+}
+
+std::string RoundsCsv(const std::vector<RoundLine>& rounds) {
+  std::string csv = "stage,round,tasks,figure,value,unit\n";
+  for (const RoundLine& round : rounds) {
+    std::string stage = round.stage;  // of letters, digits and what a job file's names may have
+    std::ranges::replace_if(stage, [](char c) { return c == ',' || c == '"' || c == '\n'; }, '_');
+    const auto add = [&](const std::string& name, double value, const std::string& unit) {
+      csv += fmt::format("{},{},{},{},{},{}\n", stage, round.number, round.tasks, name, value, unit);
+    };
+    add("time a round took", round.seconds, "s");
+    add("work", round.work_s, "s");
+    for (const Figure& figure : round.figures) add(figure.name, figure.value, figure.unit);
+  }
+  return csv;
 }
 
 }  // namespace cairn::page

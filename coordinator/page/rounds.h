@@ -48,4 +48,7 @@ class JobHistory {
 // Charts of the figures over rounds, as SVG within HTML; empty where there is nothing to draw yet.
 std::string ChartsHtml(const std::vector<RoundLine>& rounds);
 
+// A row for each figure of each round, with a head.
+std::string RoundsCsv(const std::vector<RoundLine>& rounds);
+
 }  // namespace cairn::page

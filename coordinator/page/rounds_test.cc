@@ -83,8 +83,17 @@ TEST(ChartsHtml, DrawsEachFigureAndSaysTheLastWithItsUnit) {
   EXPECT_NE(html.find("time a round took"), std::string::npos);
   EXPECT_LT(html.size(), 20'000u) << "a long curve is thinned";
   EXPECT_EQ(html.find("nan"), std::string::npos);
+  EXPECT_NE(html.find(" 1999,-1\""), std::string::npos) << "what one who points at it is told";
   rounds.resize(1);
   EXPECT_EQ(ChartsHtml(rounds), "") << "a point is no curve";
+}
+
+TEST(RoundsCsv, HasARowForEachFigureOfEachRound) {
+  std::vector<RoundLine> rounds(1, {.stage = "a,b", .number = 7, .seconds = 0.5, .work_s = 2, .tasks = 3});
+  rounds[0].figures = {{"log-likelihood", "nats", -2.25}};
+  EXPECT_EQ(RoundsCsv(rounds),
+            "stage,round,tasks,figure,value,unit\na_b,7,3,time a round took,0.5,s\na_b,7,3,work,2,s\n"
+            "a_b,7,3,log-likelihood,-2.25,nats\n");
 }
 
 TEST(ChartsHtml, ACurveThatDoesNotChangeIsDrawn) {

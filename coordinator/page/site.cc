@@ -270,9 +270,14 @@ void Site::AnswerJob(const std::string& job, const std::string& what, const Repl
     const wire::JobInfo* info = facts->Find(job);
     if (info == nullptr) return reply->Send(NotHere());
     if (what == "/so-far") return self->AnswerSoFar(*info, reply);
+    const HistoryPtr history = self->source_->HistoryOf(job);
+    if (what == "/rounds.csv")
+      return reply->Send(
+          WithHeaders({.body = RoundsCsv(history ? history->rounds() : std::vector<RoundLine>()),
+                       .type = "text/csv; charset=utf-8"}));
     if (what != "/log.txt") return self->AnswerFile(*info, what, reply);
     std::string text;
-    if (const HistoryPtr history = self->source_->HistoryOf(job))
+    if (history)
       for (const wire::LogLine& line : history->lines())
         text += line.utc() + "  " + (line.level() == "info" ? "" : line.level() + ": ") + line.text() + "\n";
     reply->Send(WithHeaders({.body = std::move(text)}));

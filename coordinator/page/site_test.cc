@@ -16,8 +16,8 @@ class SiteTest : public SiteFixture {};
 
 TEST_F(SiteTest, AStrangerSeesNothingAndDoesNothing) {
   cookie_ = "";
-  for (const char* path :
-       {"/", "/workers", "/jobs/1-hall", "/jobs/1-hall/log.txt", "/jobs/1-hall/report", "/events", "/x"}) {
+  for (const char* path : {"/", "/workers", "/jobs/1-hall", "/jobs/1-hall/log.txt", "/jobs/1-hall/rounds.csv",
+                           "/jobs/1-hall/report", "/events", "/x"}) {
     const HttpAnswer answer = Get(path);
     EXPECT_EQ(answer.code, 401u) << path;
     EXPECT_EQ(answer.body.find("hall"), std::string::npos) << path;
@@ -54,9 +54,9 @@ TEST_F(SiteTest, ThePasswordLetsInWhereThereIsOne) {
 }
 
 TEST_F(SiteTest, EachAnswerForbidsWhatOthersCouldDoWithIt) {
-  for (const char* path :
-       {"/", "/workers", "/jobs/1-hall", "/jobs/1-hall/log.txt", "/jobs/1-hall/report",
-        "/jobs/1-hall/picture", "/jobs/1-hall/files/map.h5", "/events", "/page.js", "/nothing"}) {
+  for (const char* path : {"/", "/workers", "/jobs/1-hall", "/jobs/1-hall/log.txt", "/jobs/1-hall/rounds.csv",
+                           "/jobs/1-hall/report", "/jobs/1-hall/picture", "/jobs/1-hall/files/map.h5",
+                           "/events", "/page.js", "/nothing"}) {
     const HttpAnswer answer = Get(path);
     const std::string policy = HeaderOf(answer, "Content-Security-Policy");
     EXPECT_NE(policy.find("default-src '"), std::string::npos) << path;

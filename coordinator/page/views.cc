@@ -118,7 +118,8 @@ std::string JobsHtml(const View& view, const Facts& facts) {
          "<th class=\"number\">Left</th><th class=\"number\">Workers</th><th class=\"number\">Time, "
          "min:s</th>"
          "<th>Says</th></tr></thead>\n<tbody>\n" +
-         rows + "</tbody>\n</table>\n" + Pager(view, page, pages, first + 1, last, chosen.size());
+         rows + "</tbody>\n</table>\n" + SaveButton("CSV", "this table") +
+         Pager(view, page, pages, first + 1, last, chosen.size());
 }
 
 std::string RefusalsHtml(const Facts& facts) {
@@ -131,7 +132,7 @@ std::string RefusalsHtml(const Facts& facts) {
          "<table class=\"narrow\"><thead><tr><th>What was wrong</th><th "
          "class=\"number\">Times</th></tr></thead>"
          "<tbody>\n" +
-         items + "</tbody></table>\n";
+         items + "</tbody></table>\n" + SaveButton("CSV", "this table");
 }
 
 std::string WorkerRow(const wire::WorkerInfo& worker) {
@@ -145,10 +146,14 @@ std::string WorkerRow(const wire::WorkerInfo& worker) {
     task = Text(worker.task());
   }
   return fmt::format("<tr data-key=\"{0}\"><th scope=\"row\">{0}</th>", worker.number()) +
-         Cell("Name", Text(worker.name()), "said") + Cell("Host", Text(worker.host()), "said") +
-         Cell("Process", std::to_string(worker.pid()), "number") + Cell("State", StateBadge(worker.state())) +
-         Cell("Task", task, "said") +
+         Cell("Name", Text(worker.name()), "said") +
+         Cell("Host, process", Text(worker.host()) + ", " + std::to_string(worker.pid()), "said") +
+         Cell("State", StateBadge(worker.state())) + Cell("Task", task, "said") +
          Cell("For", worker.assigned() > 0 ? Duration(worker.task_s()) : "", "number") +
+         Cell("Load", worker.load() > 0 ? fmt::format("{:.2f}", worker.load()) : "", "number") +
+         Cell("Memory", worker.memory_bytes() > 0 ? BytesText(worker.memory_bytes()) : "", "number") +
+         Cell("Here", Duration(worker.joined_s()), "number") +
+         Cell("Failures", std::to_string(worker.failures()), "number") +
          Cell("Silent", Duration(worker.silent_s()), "number") + "</tr>\n";
 }
 
@@ -164,12 +169,12 @@ std::string WorkersHtml(const Facts& facts) {
                                ? ""
                                : fmt::format("<p>The first {} of {}; “cairn status” lists all.</p>\n",
                                              kMostShown, facts.workers.size());
-  return "<table class=\"cards\">\n<thead><tr><th>Worker</th><th>Name</th><th>Host</th><th "
-         "class=\"number\">Process"
-         "</th><th>State</th><th>Task</th><th class=\"number\">For, min:s</th><th class=\"number\">Silent, "
-         "min:s</th>"
+  return "<table class=\"cards\">\n<thead><tr><th>Worker</th><th>Name</th><th>Host, process"
+         "</th><th>State</th><th>Task</th><th class=\"number\">For, min:s</th><th class=\"number\">Load</th>"
+         "<th class=\"number\">Memory</th><th class=\"number\">Here, min:s</th><th "
+         "class=\"number\">Failed</th><th class=\"number\">Silent, min:s</th>"
          "</tr></thead>\n<tbody>\n" +
-         rows + "</tbody>\n</table>\n" + more;
+         rows + "</tbody>\n</table>\n" + SaveButton("CSV", "this table") + more;
 }
 
 std::string NoticeHtml(const Facts& facts) {

@@ -87,6 +87,52 @@ TEST(Job, ShowsItsShareOfTheFleetItsStagesAndWhatIsLeft) {
             std::string::npos);
 }
 
+// A diamond: both in the middle take the first one's result, the last one both of theirs.
+TEST(Job, ShowsStagesThatBranchAsAGraph) {
+  Facts facts = Many(1);
+  wire::JobInfo& job = facts.list->jobs[0];
+  job.set_state("running");
+  job.set_stages(4);
+  job.set_stage(1);
+  const std::vector<std::vector<std::uint32_t>> after = {{}, {0}, {0}, {1, 2}};
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    wire::StageInfo& stage = *job.add_plan();
+    stage.set_name("<" + std::to_string(i) + ">");
+    stage.set_pipeline("toy");
+    stage.mutable_after()->Assign(after[i].begin(), after[i].end());
+  }
+  const View view{.kind = View::Kind::kJob, .job = "1-Tour"};
+  const std::string graph = PartOf(view, {.facts = facts}, "stages");
+  EXPECT_EQ(Times(graph, "class=\"arrow\""), 4u);
+  EXPECT_EQ(Times(graph, "<rect"), 4u);
+  EXPECT_NE(graph.find("&lt;0&gt; done; &lt;1&gt; running; &lt;2&gt; not begun"), std::string::npos) << graph;
+  EXPECT_EQ(Times(graph, "x=\"233\" y=\"3\""), 1u) << "side by side in the second column";
+  EXPECT_EQ(Times(graph, "x=\"233\" y=\"83\""), 1u);
+  job.mutable_plan()->DeleteSubrange(2, 2);
+  job.set_stages(2);
+  const std::string chain = PartOf(view, {.facts = facts}, "stages");
+  EXPECT_EQ(Times(chain, "<li"), 2u);
+  EXPECT_NE(chain.find("<b>&lt;1&gt;</b>"), std::string::npos) << chain;
+}
+
+TEST(Workers, SayWhatTheyDoHowTheyAreAndWhatFailed) {
+  Facts facts = Many(1);
+  wire::WorkerInfo worker;
+  worker.set_number(3);
+  worker.set_state("busy");
+  worker.set_assigned(1);
+  worker.set_task("1-Tour: task 4");
+  worker.set_load(1.5);
+  worker.set_memory_bytes(84'000'000);
+  worker.set_joined_s(3723);
+  worker.set_failures(2);
+  facts.workers.push_back(worker);
+  const std::string html = PartOf({.kind = View::Kind::kWorkers}, {.facts = facts}, "workers");
+  for (const char* cell :
+       {">1.50</td>", ">84.0 MB</td>", ">1:02:03</td>", ">2</td>", "task 4", "data-save=\"CSV\""})
+    EXPECT_NE(html.find(cell), std::string::npos) << cell << html;
+}
+
 TEST(Job, ButtonsAreForThoseWhoMay) {
   Facts facts = Many(1);
   facts.list->jobs[0].set_state("failed");

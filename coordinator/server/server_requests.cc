@@ -1,6 +1,7 @@
 // What clients ask, and the blobs that workers fetch.
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <set>
 #include <utility>
 #include <vector>
@@ -41,6 +42,20 @@ std::string KnownJobs(const std::vector<wire::JobInfo>& jobs) {
   for (std::size_t i = jobs.size() - std::min<std::size_t>(jobs.size(), 10); i < jobs.size(); ++i)
     known += (known.empty() ? "; known: " : ", ") + jobs[i].id();
   return known;
+}
+
+void AddPlan(const proto::Job& spec, wire::JobInfo* info) {
+  std::map<std::string, std::uint32_t> known;
+  for (const proto::Stage& stage : spec.stages()) {
+    wire::StageInfo& of = *info->add_plan();
+    of.set_name(stage.name());
+    of.set_pipeline(stage.pipeline());
+    std::set<std::uint32_t> after;
+    for (const auto& [role, source] : stage.inputs())
+      if (const auto earlier = known.find(source); earlier != known.end()) after.insert(earlier->second);
+    of.mutable_after()->Assign(after.begin(), after.end());
+    known[stage.name()] = static_cast<std::uint32_t>(known.size());
+  }
 }
 
 }  // namespace
@@ -268,6 +283,7 @@ void Server::AnswerLog(const std::string& peer, const std::string& user, const w
   WriteLog();
   wire::JobInfo info = *core_.Find(query.job());
   info.set_foreign(!access_control_.MayCommand(user, info.owner()));
+  AddPlan(core_.FindJob(query.job())->spec, &info);
   writer_.Add(ReadLogWork{peer, std::move(info), query.after()});
 }
 

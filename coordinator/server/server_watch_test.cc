@@ -46,5 +46,27 @@ TEST(ServerWatch, WhereASaveFailsTheStoreIsProbedAndUsersAreToldUntilItCanBeWrit
   EXPECT_FALSE(fixture.Ask(query).store_fails());
 }
 
+// Lists, which are long enough, have none.
+TEST(ServerWatch, WithTheLogOfAJobComeItsStagesAndWhatEachTakes) {
+  ServerFixture fixture;
+  proto::Job job = fixture.MakeJob(3);
+  (*job.mutable_stages(2)->mutable_inputs())["map"] = "stage0";
+  (*job.mutable_stages(2)->mutable_inputs())["poses"] = "stage1";
+  EXPECT_EQ(fixture.Ask(fixture.Submission(job, true)).jobs(0).id(), "1-toy");
+  wire::Message query;
+  query.envelope.mutable_query()->set_job("1-toy");
+  query.envelope.mutable_query()->set_action("logs");
+  const wire::Reply reply = fixture.Ask(query);
+  ASSERT_EQ(reply.jobs(0).plan_size(), 3);
+  EXPECT_EQ(reply.jobs(0).plan(1).name(), "stage1");
+  EXPECT_EQ(reply.jobs(0).plan(1).pipeline(), "toy");
+  EXPECT_EQ(reply.jobs(0).plan(1).after_size(), 0) << "the log is no stage";
+  ASSERT_EQ(reply.jobs(0).plan(2).after_size(), 2);
+  EXPECT_EQ(reply.jobs(0).plan(2).after(1), 1u);
+  wire::Message list;
+  list.envelope.mutable_query();
+  EXPECT_EQ(fixture.Ask(list).jobs(0).plan_size(), 0);
+}
+
 }  // namespace
 }  // namespace cairn::coordinator

@@ -182,7 +182,7 @@ def so_far(walk):
     assert 'still being made' in browser.text() and browser.run('return origin') == 'null', browser.text()
     browser.run(f'const s = document.querySelector(`{slider}`); s.value = 0; s.dispatchEvent(new Event("input")); '
                 'document.querySelector(".viewer-tools button").click();')
-    walk.until_says('1 of ', '.viewer-time output')
+    walk.until_says('1 of ', '.viewer')
     looked = browser.run(where)
     browser.leave()
     walk.check('so-far')
@@ -196,7 +196,7 @@ def so_far(walk):
     before = browser.run(version)
     resume_until(lambda: browser.run(version) != before)
     browser.into('#sofar iframe')
-    walk.until_says('1 of ', '.viewer-time output')
+    walk.until_says('1 of ', '.viewer')
     assert abs(browser.run(where) / looked - 1) < 0.01, 'it is looked at anew'
     browser.leave()
     another_of(walk, job)
@@ -205,6 +205,65 @@ def so_far(walk):
     walk.until_says('cancelled', '.title')
     browser.until(lambda: not browser.has('#sofar iframe'), 'no map of what has ended')
     walk.no_errors('so far')
+    cairn('delete', job)
+
+
+# What is saved, in place of a file: a browser without a screen asks nobody where it goes.
+SAVED = '''
+const saved = [];
+const make = URL.createObjectURL;
+URL.createObjectURL = (blob) => { saved.push(blob); return make(blob); };
+HTMLAnchorElement.prototype.click = () => {};
+document.querySelector(arguments[0]).click();
+URL.createObjectURL = make;
+return saved[0].text();'''
+POINTED = '''
+const svg = document.querySelector("svg[data-values]"), box = svg.getBoundingClientRect();
+svg.dispatchEvent(new PointerEvent("pointermove", {clientX: box.right - 20, clientY: box.top + 40, bubbles: true}));
+return document.getElementById("tip").hidden ? "" : document.getElementById("tip").textContent;'''
+
+
+def stages_and_cells(walk):
+    """Stages that branch as a graph, the cells of a search with those that it held before, curves that say what they are."""
+    browser = walk.browser
+    cairn('simulate', 'loop', '--difficulty', 'paper', '--sonar', '--seed', '7', 'sonar.h5')
+    with open('branches.yaml', 'w') as job:
+        job.write('name: branches\nseed: 7\ninputs: {log: sonar.h5}\nstages:\n'
+                  '  - {name: landmarks, pipeline: landmark_map, log: log, options: {starts: 1}}\n'
+                  '  - {name: raw, pipeline: evidence_map, log: log, options: {cell_m: 0.5}}\n'
+                  '  - {name: forward, pipeline: forward_map, log: log, poses: landmarks, options: {cell_m: 0.25}}\n')
+    job = submit('branches.yaml')
+    walk.go('/jobs/' + job)
+    browser.until(lambda: browser.has('.graph .arrow'), 'a graph of the stages')
+    assert 'forward' in browser.run('return document.querySelector(".graph svg").ariaLabel')
+    browser.until(lambda: browser.has('#sofar iframe'), 'a map of a job that runs')
+    slider = 'input[aria-label="Iteration"]'
+
+    def slides():
+        try:
+            browser.into('#sofar iframe')
+            return browser.has('.viewer') and 'The map that the search holds' in browser.text() and browser.has(slider)
+        except RuntimeError:  # another map has just taken its place
+            return False
+        finally:
+            browser.leave()
+    browser.until(slides, 'a map of cells with those before it')
+    walk.press('pause')
+    walk.until_says('paused by its owner')
+    browser.until(slides, 'the same')
+    browser.run('document.querySelector("#sofar").scrollIntoView()')
+    browser.into('#sofar iframe')
+    browser.run(f'const s = document.querySelector(`{slider}`); s.value = 0; s.dispatchEvent(new Event("input"));')
+    walk.until_says('1 of ', '.viewer')
+    browser.leave()
+    walk.check('branches')
+    browser.until(lambda: re.match(r'round \d+: -?[\d.]+ nats', browser.run(POINTED)), 'what a curve says where one points')
+    assert browser.run(SAVED, 'figure.chart button[data-save=SVG]').startswith('<svg'), 'no curve as a file'
+    assert browser.run('return fetch(location.pathname + "/rounds.csv").then((answer) => answer.text())').startswith(
+        'stage,round,tasks,figure,value,unit\nlandmarks,'), 'no figures as a file'
+    walk.press('resume')
+    walk.until_says('done', '.title')
+    walk.no_errors('branches')
     cairn('delete', job)
 
 
@@ -404,6 +463,8 @@ def find_by_keyboard(walk, first):
     walk.go('/workers')
     walk.until_says('idle')
     walk.until_says(EVIL)
+    row = walk.browser.run(SAVED, '#workers button[data-save=CSV]').split('\n')
+    assert row[0].startswith('Worker,Name,"Host, process"') and 'Memory' in row[0] and ' MB,' in row[1], row
     assert walk.browser.run('return document.title') != 'evil', 'a name was run'
     walk.check('workers')
     walk.go('/')
@@ -520,6 +581,7 @@ def main():
         job = jobs_without_workers(walk)
         run_pause_resume(walk, job)
         so_far(walk)
+        stages_and_cells(walk)
         fail_retry_delete(walk)
         another_deletes(walk)
         start_a_job(walk)

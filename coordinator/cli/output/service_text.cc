@@ -39,10 +39,13 @@ std::string WorkersTable(const std::vector<wire::WorkerInfo>& workers) {
 }
 
 Json ToJson(const wire::WorkerInfo& worker) {
-  return {{"number", worker.number()}, {"host", worker.host()},     {"pid", worker.pid()},
-          {"state", worker.state()},   {"slots", worker.slots()},   {"assigned", worker.assigned()},
-          {"task", worker.task()},     {"task_s", worker.task_s()}, {"silent_s", worker.silent_s()},
-          {"name", worker.name()}};
+  return {{"number", worker.number()},     {"host", worker.host()},
+          {"pid", worker.pid()},           {"state", worker.state()},
+          {"slots", worker.slots()},       {"assigned", worker.assigned()},
+          {"task", worker.task()},         {"task_s", worker.task_s()},
+          {"silent_s", worker.silent_s()}, {"name", worker.name()},
+          {"joined_s", worker.joined_s()}, {"failures", worker.failures()},
+          {"load", worker.load()},         {"memory_bytes", worker.memory_bytes()}};
 }
 
 }  // namespace

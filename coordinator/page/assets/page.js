@@ -186,9 +186,34 @@ function bring(form, event) {
   request.send(new FormData(form));
 }
 
+// What a curve says where one points at it.
+function point(event) {
+  const svg = event.target.closest('svg[data-values]');
+  $('tip').hidden = !svg;
+  if (!svg) return;
+  const values = svg.dataset.values.split(' ').map((pair) => pair.split(',').map(Number)), box = svg.getBoundingClientRect();
+  const from = Number(svg.dataset.from), to = Number(svg.dataset.to), first = values[0][0], last = Math.max(values.at(-1)[0], first + 1);
+  const at = (event.clientX - box.left) / box.width * svg.viewBox.baseVal.width;
+  const round = first + (at - from) / (to - from) * (last - first);
+  const [x, y] = values.reduce((a, b) => Math.abs(b[0] - round) < Math.abs(a[0] - round) ? b : a);
+  $('tip').textContent = `round ${x}: ${y}${svg.dataset.unit}`;
+  $('tip').style.left = Math.min(event.clientX + 14, innerWidth - $('tip').offsetWidth - 6) + 'px';
+  $('tip').style.top = event.clientY + 18 + 'px';
+}
+
+// The picture of its figure, or the picture or table of its section.
+function saveBeside(button) {
+  const around = button.closest('figure, section');
+  if (button.dataset.save === 'SVG') saveSvg(around.querySelector('svg[role=img]'));
+  else saveCsv(around.querySelector('table'));
+}
+
 document.documentElement.classList.add('has-script');
+document.addEventListener('pointermove', point);
 document.addEventListener('submit', (event) => event.target.id === 'bring' && bring(event.target, event));
 document.addEventListener('click', (event) => {
+  const saves = event.target.closest('button[data-save]');
+  if (saves) return saveBeside(saves);
   const button = event.target.closest('button[data-action]');
   if (!button) return;
   if (button.dataset.sure && !confirm(button.dataset.sure)) return;
