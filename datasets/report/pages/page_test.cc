@@ -113,11 +113,11 @@ TEST_F(Page, AMapMarksWhatMovedAndHasOdometryForWhoAsksForIt) {
   map.PutVector("map/landmark_identity", identity);
   map.Put("landmarks", Array::Texts({"door"}));
   map.PutVector<std::int32_t>("moved/landmark", {0});
-  map.PutVector<double>("moved/until_s", {298.25});
+  map.PutVector<double>("moved/until_s", {298.5});
   map.PutVector<double>("moved/from_s", {310});
   const Picture with_odometry = MapPicture(MakeScene(map, &log_, nullptr), 1000);
   const std::string svg = with_odometry.Svg();
-  EXPECT_EQ(Between(svg, "<circle class=\"moved\"", ", was moved between 298.3 s and 310 s</title>").size(),
+  EXPECT_EQ(Between(svg, "<circle class=\"moved\"", ", was moved between 298.5 s and 310 s</title>").size(),
             1U)
       << svg.substr(0, 3000);
   EXPECT_NE(svg.find("<g class=\"off\" data-layer=\"odometry alone\">"), std::string::npos);
