@@ -1,5 +1,8 @@
 #include "schema/array.h"
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -107,6 +110,33 @@ Result<Array> Array::Over(DType type, std::size_t item_bytes, const Shape& shape
   Result<Array> array = Form(type, item_bytes, shape, bytes.size());
   if (array.ok()) array.value().data_ = std::shared_ptr<const std::byte>(owner, bytes.data());
   return array;
+}
+
+Result<Array> Array::OverFile(DType type, std::size_t item_bytes, const Shape& shape,
+                              std::span<const std::byte> bytes, const std::shared_ptr<const void>& owner) {
+  Result<Array> array = Over(type, item_bytes, shape, bytes, owner);
+  if (array.ok()) array.value().in_file_ = true;
+  return array;
+}
+
+void Array::TakeInPieces(const std::function<bool(std::span<const std::byte>)>& take) const {
+  constexpr std::size_t kPiece = 1 << 20;
+  const std::size_t most = in_file_ ? std::max(kPiece / item_bytes_, std::size_t{1}) * item_bytes_
+                                    : std::max<std::size_t>(byte_count_, 1);
+  for (std::size_t at = 0; at < byte_count_; at += most) {
+    const auto piece = bytes().subspan(at, std::min(most, byte_count_ - at));
+    const bool goes_on = take(piece);
+    LetGo(piece);
+    if (!goes_on) return;
+  }
+}
+
+void Array::LetGo(std::span<const std::byte> bytes) const {
+  if (!in_file_ || bytes.empty()) return;
+  const auto page = static_cast<std::uintptr_t>(::getpagesize());
+  const auto begin = reinterpret_cast<std::uintptr_t>(bytes.data()) / page * page;
+  const auto end = reinterpret_cast<std::uintptr_t>(bytes.data() + bytes.size());
+  ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
 }
 
 Array Array::Texts(const std::vector<std::string>& texts) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -79,13 +80,22 @@ class Array {
   // lives.
   static Result<Array> Over(DType type, std::size_t item_bytes, const Shape& shape,
                             std::span<const std::byte> bytes, const std::shared_ptr<const void>& owner);
+  // The same over a file that is mapped, shared, and may be larger than the memory.
+  static Result<Array> OverFile(DType type, std::size_t item_bytes, const Shape& shape,
+                                std::span<const std::byte> bytes, const std::shared_ptr<const void>& owner);
 
   DType type() const { return type_; }
   std::size_t item_bytes() const { return item_bytes_; }
   const Shape& shape() const { return shape_; }
   std::int64_t size() const;  // number of elements
   bool is_form_alone() const { return form_alone_; }
+  bool is_in_file() const { return in_file_; }
   std::span<const std::byte> bytes() const { return {data_.get(), byte_count_}; }
+  // All bytes, in their order, in pieces of whole elements: one; over a file several, of which one at a time
+  // is in memory. `take` returns false where it wants no more.
+  void TakeInPieces(const std::function<bool(std::span<const std::byte>)>& take) const;
+  // What was looked at over a file need not stay in memory: it comes back when it is looked at again.
+  void LetGo(std::span<const std::byte> bytes) const;
 
   // The elements, row-major.
   // Throws InputError where the type is another.
@@ -113,7 +123,7 @@ class Array {
   std::size_t item_bytes_ = 1;
   Shape shape_{0};
   std::size_t byte_count_ = 0;
-  bool form_alone_ = false;
+  bool form_alone_ = false, in_file_ = false;
   std::shared_ptr<const std::byte> data_;
 };
 

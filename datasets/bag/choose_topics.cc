@@ -175,6 +175,7 @@ class TopicChoice {
     for (const Topic* topic : chosen) {
       scans.push_back(std::make_unique<ScanTopic>());
       scans.back()->topic = topic->name;
+      scans.back()->folder = options_.folder;
       scans.back()->expected = topic->messages;
       add_(*topic, topic->use->use == Use::kCloud ? ReaderOfCloud(*topic, scans.back().get())
                                                   : ReadScans(topic->type, scans.back().get()));

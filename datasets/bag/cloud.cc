@@ -65,14 +65,13 @@ class CloudReader : public TopicReader {
     RangeEvent event;
     event.line = message.number;
     event.stamp_s = *time_s;
-    event.row = topic_.events.size();
-    const std::size_t before = topic_.range_m.size();
-    topic_.range_m.resize(before + kSectors, std::numeric_limits<double>::quiet_NaN());
-    const std::span scan = std::span(topic_.range_m).subspan(before);
+    event.row = static_cast<std::uint32_t>(topic_.events.size());
+    scan_.assign(kSectors, std::numeric_limits<double>::quiet_NaN());
     seen_.assign(kSectors, false);
     for (std::size_t row = 0; columns > 0 && row < rows; ++row)
       for (std::size_t column = 0; column < columns; ++column)
-        AddPoint(axes, data.data() + row * row_bytes + column * point_bytes, scan);
+        AddPoint(axes, data.data() + row * row_bytes + column * point_bytes, scan_);
+    topic_.scans.Add(scan_, 0, {});
     for (std::size_t i = 0; i < kSectors; ++i) topic_.scans_with_points[i] += seen_[i] ? 1 : 0;
     topic_.events.push_back(std::move(event));
   }
@@ -96,6 +95,7 @@ class CloudReader : public TopicReader {
     topic_.step_rad = kSector_rad;
     topic_.max_range_m = cut_.reach_m;
     topic_.beams = kSectors;
+    topic_.scans = ScanRows(topic_.folder, kSectors, cut_.reach_m);
     topic_.scans_with_points.assign(kSectors, 0);
   }
 
@@ -115,6 +115,7 @@ class CloudReader : public TopicReader {
   FindMount find_mount_;
   ScanTopic& topic_;
   Transform mount_;
+  std::vector<double> scan_;
   std::vector<bool> seen_;  // of this cloud, at any height
 };
 

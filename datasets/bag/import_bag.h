@@ -16,6 +16,7 @@ namespace cairn::datasets {
 
 struct BagImportOptions {
   std::vector<std::string> files;  // of one drive, in any order; folders of rosbag2 too
+  std::string folder;              // for scans while they are read; empty: all are in memory
   std::uint64_t memory_mb = 0;     // that the child that reads them may take (in_child.h); 0: by their size
   bool skip_bad = false;  // skip bad messages and count them by reason, instead of stopping at the first
   NoiseParameters noise;

@@ -1,11 +1,14 @@
 #include "datasets/bag/in_child.h"
 
+#include <sys/stat.h>
+
+#include <algorithm>
 #include <charconv>
-#include <filesystem>
 #include <utility>
 #include <vector>
 
 #include "datasets/bag/container.h"
+#include "datasets/import/scan_rows.h"
 #include "schema/store/guarded.h"
 
 namespace cairn::datasets {
@@ -20,9 +23,12 @@ store::ChildReader ReaderOfBags(const std::vector<std::string>& paths, std::uint
   store::ChildReader reader{"its reader", 1};
   for (const std::string& path : paths)
     for (const std::string& file : bag::BagFilesOf(path)) {
-      std::error_code unknown;
-      const std::uintmax_t size = std::filesystem::file_size(file, unknown);
-      reader.bytes += unknown ? 0 : kTimes * size;
+      struct stat has{};  // what it has on the disk: a sparse file may be of any size
+      const bool known = ::stat(file.c_str(), &has) == 0;
+      constexpr std::uint64_t kBlock = 512, kLeast = 1 << 20;
+      const auto size = known ? static_cast<std::uint64_t>(has.st_size) : 0,
+                 blocks = known ? static_cast<std::uint64_t>(has.st_blocks) * kBlock : 0;
+      reader.bytes += kTimes * std::min(size, std::max(blocks, kLeast));
     }
   constexpr std::uint64_t kLeastMemory = std::uint64_t{2} << 30;
   reader.memory_bytes = memory_mb > 0 ? memory_mb << 20 : kLeastMemory + reader.bytes;
@@ -30,7 +36,7 @@ store::ChildReader ReaderOfBags(const std::vector<std::string>& paths, std::uint
 }
 
 Result<FileContents> Run(const std::string& path, const store::ChildReader& reader,
-                         const std::function<FileContents()>& make) {
+                         const std::function<Result<FileContents>()>& make) {
   return store::InChild(
       path,
       [&]() -> Result<FileContents> {
@@ -38,6 +44,8 @@ Result<FileContents> Run(const std::string& path, const store::ChildReader& read
           return make();
         } catch (const InputError& error) {
           return Status(Code::kRefused, error.what());
+        } catch (const NotStored& why) {
+          return why.status;
         }
       },
       reader);
@@ -105,20 +113,26 @@ ImportReport ReportOf(const std::vector<std::string>& lines) {
 
 }  // namespace
 
-Result<ImportReport> ImportBagInChild(const BagImportOptions& options, Blob* log) {
+Result<StoredImport> ImportBagInChild(
+    const BagImportOptions& options,
+    const std::function<Result<std::string>(const Blob& log, const ImportReport& report)>& store) {
   store::ChildReader reader = ReaderOfBags(options.files, options.memory_mb);
   reader.more_memory = " (--max-memory-mb gives it more)";
-  Result<FileContents> made = Run(options.files.front(), reader, [&] {
+  const Result<FileContents> made = Run(options.files.front(), reader, [&]() -> Result<FileContents> {
+    Blob log;
+    const ImportReport report = ImportBag(options, &log);
+    Result<std::string> told = store(log, report);
+    if (!told.ok()) return told.status();
     FileContents contents;
-    const ImportReport report = ImportBag(options, &contents.blob);
     VisitReport(report, Writer{contents.remarks});
-    for (const auto& [name, array] : contents.blob.fields())
-      contents.datasets.push_back({name, array.type(), array.item_bytes(), array.shape(), "", 0});
+    contents.remarks.push_back(std::move(told).value());
     return contents;
   });
   if (!made.ok()) return made.status();
-  *log = std::move(made.value().blob);
-  return ReportOf(made.value().remarks);
+  std::vector<std::string> lines = made.value().remarks;
+  std::string told = std::move(lines.back());
+  lines.pop_back();
+  return StoredImport{ReportOf(lines), std::move(told)};
 }
 
 Result<std::string> InspectBagInChild(const std::string& path,

@@ -11,8 +11,15 @@
 
 namespace cairn::datasets {
 
-// ImportBag. What it throws is a Status of kRefused; others are as InChild has them.
-Result<ImportReport> ImportBagInChild(const BagImportOptions& options, Blob* log);
+struct StoredImport {
+  ImportReport report;
+  std::string told;  // by `store`
+};
+// ImportBag, and `store` of the log that it makes, which stays in the child. What they throw is a Status of
+// kRefused; others are those of `store`, of the folder's disk, and as InChild has them.
+Result<StoredImport> ImportBagInChild(
+    const BagImportOptions& options,
+    const std::function<Result<std::string>(const Blob& log, const ImportReport& report)>& store);
 
 // What `tell` makes of InspectBag, both in the child.
 Result<std::string> InspectBagInChild(const std::string& path,

@@ -1,5 +1,6 @@
 #include "datasets/bag/in_child.h"
 
+#include <cmath>
 #include <csignal>
 
 #include "datasets/bag/testing_import.h"
@@ -7,7 +8,15 @@
 namespace cairn::datasets {
 namespace {
 
-class BagInChildTest : public ImportBagTest {};
+class BagInChildTest : public ImportBagTest {
+ protected:
+  // What is told of a log is its hash.
+  Result<StoredImport> ImportInChild() {
+    return ImportBagInChild(options_, [](const Blob& log, const ImportReport&) -> Result<std::string> {
+      return log.ContentHash().Hex();
+    });
+  }
+};
 
 TEST_F(BagInChildTest, BringsBackTheSameLogAndReport) {
   auto messages = bag::SmallDrive(To::kRos1);
@@ -17,32 +26,79 @@ TEST_F(BagInChildTest, BringsBackTheSameLogAndReport) {
       message.bytes = bag::ScanMessage(To::kRos1, message.receive_s - 3, {1, 2, 3, 4, 5});
   options_.skip_bad = true;
   const ImportReport here = Import(messages);
-  Blob log;
-  const Result<ImportReport> there = ImportBagInChild(options_, &log);
-  ASSERT_TRUE(there.ok()) << there.status().message();
-  EXPECT_EQ(log.ContentHash(), log_.ContentHash());
-  EXPECT_EQ(there.value().read, here.read);
-  EXPECT_EQ(there.value().skipped, (std::map<std::string, std::int64_t>{{"no time in its header", 1}}));
-  EXPECT_EQ(there.value().dropped, here.dropped);
-  EXPECT_EQ(there.value().warnings, here.warnings);
+  const Result<StoredImport> stored = ImportInChild();
+  ASSERT_TRUE(stored.ok()) << stored.status().message();
+  EXPECT_EQ(stored.value().told, log_.ContentHash().Hex());
+  const ImportReport& there = stored.value().report;
+  EXPECT_EQ(there.read, here.read);
+  EXPECT_EQ(there.skipped, (std::map<std::string, std::int64_t>{{"no time in its header", 1}}));
+  EXPECT_EQ(there.dropped, here.dropped);
+  EXPECT_EQ(there.warnings, here.warnings);
   EXPECT_FALSE(here.warnings.empty());
   EXPECT_FALSE(here.dropped.empty());
-  EXPECT_EQ(there.value().unit_doubts, here.unit_doubts);
-  EXPECT_EQ(there.value().robots, 1);
-  EXPECT_EQ(there.value().controls, here.controls);
-  EXPECT_EQ(there.value().scans, here.scans);
+  EXPECT_EQ(there.unit_doubts, here.unit_doubts);
+  EXPECT_EQ(there.robots, 1);
+  EXPECT_EQ(there.controls, here.controls);
+  EXPECT_EQ(there.scans, here.scans);
   EXPECT_GT(here.scans, 0);
+}
+
+// Two lasers, of which one says how bright; scans before the odometry begins are left out, and some come
+// late.
+TEST_F(BagInChildTest, ALogOfFilesHasTheSameBitsAsOneInMemory) {
+  constexpr std::size_t kBeams = 700;
+  std::vector<bag::BagMessage> messages;
+  for (int i = 0; i < 500; ++i) {
+    const double at_s = 1000 + 0.1 * i - (i % 7 == 3 ? 0.5 : 0);
+    if (i >= 20 && i % 5 == 0)
+      messages.push_back({"/odom", "nav_msgs/Odometry", 1000 + 0.1 * i,
+                          bag::OdometryMessage(To::kRos1, 1000 + 0.1 * i, 0.1 * i, 0)});
+    std::vector<float> ranges, intensities;
+    for (std::size_t b = 0; b < kBeams; ++b) {
+      ranges.push_back(0.05F * static_cast<float>((b * 37 + static_cast<std::size_t>(i)) % 500));
+      intensities.push_back(static_cast<float>(b));
+    }
+    for (const char* topic : {"/front", "/back"})
+      messages.push_back(
+          {topic, "sensor_msgs/LaserScan", 1000 + 0.1 * i,
+           bag::ScanMessage(To::kRos1, at_s, ranges, "base_link",
+                            *(topic + 1) == 'b' && i > 30 ? intensities : std::vector<float>())});
+  }
+  options_.scans = {"/front", "/back"};
+  const ImportReport here = Import(messages);
+  EXPECT_GT(here.dropped.at("scan outside the odometry's time"), 0);
+  options_.folder = folder_ / "";
+  Blob log;
+  const ImportReport there = ImportBag(options_, &log);
+  EXPECT_TRUE(log.at("robot/0/laser/range_m").is_in_file());
+  EXPECT_TRUE(log.at("robot/0/laser2/intensity").is_in_file());
+  EXPECT_FALSE(log.Has("robot/0/laser/intensity"));
+  EXPECT_EQ(log.ContentHash(), log_.ContentHash());
+  EXPECT_EQ(there.read, here.read);
+  const std::string kUnanswered = "readings of laser without an answer within its reach";
+  std::int64_t none = 0;
+  for (const double range : log.Get<double>("robot/0/laser/range_m")) none += std::isnan(range) ? 1 : 0;
+  EXPECT_EQ(there.read.at(kUnanswered), none);
+}
+
+TEST_F(BagInChildTest, ADiskThatDoesNotTakeTheScansIsNamed) {
+  options_.files = {folder_.Put("drive.bag", bag::Ros1Bytes(bag::SmallDrive(To::kRos1)))};
+  const Result<StoredImport> full =
+      ImportBagInChild(options_, [](const Blob&, const ImportReport&) -> Result<std::string> {
+        throw NotStored{Status(Code::kNoSpace, "/there: cannot write what is read")};
+      });
+  ASSERT_FALSE(full.ok());
+  EXPECT_EQ(full.status().code(), Code::kNoSpace);
+  EXPECT_EQ(full.status().message(), "/there: cannot write what is read");
 }
 
 TEST_F(BagInChildTest, ARefusalSaysTheSame) {
   options_.odometry = "/none";
   const std::string here = Refusal(bag::SmallDrive(To::kRos1));
-  Blob log;
-  const Result<ImportReport> there = ImportBagInChild(options_, &log);
+  const Result<StoredImport> there = ImportInChild();
   ASSERT_FALSE(there.ok());
   EXPECT_EQ(there.status().code(), Code::kRefused);
   EXPECT_EQ(there.status().message(), here);
-  EXPECT_TRUE(log.fields().empty());
 }
 
 #ifndef CAIRN_SANITIZED
@@ -51,14 +107,13 @@ TEST_F(BagInChildTest, ABagThatTakesMoreMemoryThanItMayIsRefused) {
   messages.push_back({"/blob", "a/Blob", 1010, std::string(std::size_t{64} << 20, 'x'), "uint8[] data\n"});
   options_.files = {folder_.Put("packed.bag", bag::Ros1Bytes(messages, "lz4", false))};
   options_.memory_mb = 16;
-  Blob log;
-  const Result<ImportReport> made = ImportBagInChild(options_, &log);
+  const Result<StoredImport> made = ImportInChild();
   ASSERT_FALSE(made.ok());
   EXPECT_EQ(made.status().code(), Code::kRefused);
   ExpectContains(made.status().message(), "packed.bag: not read: it takes more than the 16 MB of memory");
   ExpectContains(made.status().message(), "--max-memory-mb");
   options_.memory_mb = 0;
-  EXPECT_TRUE(ImportBagInChild(options_, &log).ok());
+  EXPECT_TRUE(ImportInChild().ok());
 }
 #endif
 

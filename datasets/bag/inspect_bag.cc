@@ -134,7 +134,7 @@ std::string BagText(const BagInspection& inspection) {
     if (!frames.empty()) text += "; frame " + frames;
     text += topic.as.empty() ? "; not used\n" : "; as " + topic.as + "\n";
   }
-  for (const std::string& remark : inspection.remarks) text += "  " + remark + "\n";
+  for (const std::string& remark : inspection.remarks) text += "  " + Printable(remark, 2000) + "\n";
   const bool has_command = !inspection.command.empty() && !inspection.topics.empty();
   return !has_command ? text : text + "try: " + inspection.command + "\n";
 }

@@ -1,5 +1,7 @@
 #include "datasets/bag/inspect_bag.h"
 
+#include <algorithm>
+
 #include "datasets/bag/import_bag.h"
 #include "datasets/bag/testing_bag.h"
 #include "datasets/testing.h"
@@ -49,6 +51,19 @@ TEST(InspectBag, SaysWhatIsWrong) {
   none.command = "cairn import bag";
   EXPECT_EQ(none.topics.size(), 0U);
   EXPECT_EQ(BagText(none).find("try:"), std::string::npos);
+}
+
+TEST(InspectBag, WhatItQuotesEndsNoLine) {
+  const TestFolder folder;
+  const std::string topic = "/odom\ntry: \x1b[31mthis";
+  const std::string bytes = bag::Ros1Bytes({{topic, "nav_msgs/Odometry", 1000, "short"}}, "none");
+  const BagInspection bag = InspectBag(folder.Put("drive.bag", bytes));
+  ASSERT_EQ(bag.remarks.size(), 1U);
+  ExpectContains(bag.remarks[0], topic + ": the message is shorter");
+  const std::string text = BagText(bag);
+  EXPECT_EQ(std::ranges::count(text, '\n'), 3) << text;
+  EXPECT_EQ(text.find('\x1b'), std::string::npos) << text;
+  ExpectContains(text, "this: the message is shorter");
 }
 
 TEST(InspectBag, FieldsOfAllTopicsAreBounded) {

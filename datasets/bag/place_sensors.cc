@@ -45,7 +45,8 @@ class BagLog {
     CompareWithOthers();
     if (!in_.gyro.topic.empty()) TurnOdometry();
     TakePosesOfTf();
-    if (!in_.fixes.topic.empty()) in_.truth = PosesOfFixes(in_.fixes, origin, &report_);
+    if (!in_.fixes.topic.empty()) in_.truth = PosesOfFixes(in_.fixes, Antenna(), origin, &report_);
+    ReserveEvents();
     for (const PoseRow& row : in_.odometry.poses) AddPose(row, &RangeEvent::odometry);
     for (const PoseRow& row : in_.truth) AddPose(row, &RangeEvent::truth);
     for (const PoseRow& row : in_.poses) AddPose(row, &RangeEvent::corrected);
@@ -58,7 +59,7 @@ class BagLog {
     for (const Sighting& seen : in_.landmarks) AddLandmark(seen);
     for (const auto& camera : in_.cameras) AddTags(*camera);
     // Topics come one after the other; MakeRangeLog wants them in the order of time, as far as that goes.
-    std::ranges::stable_sort(ranges_.events, {}, &RangeEvent::stamp_s);
+    SortByTime(&ranges_.events);
     if (!noise->heading_walk_rad_per_sqrt_m)
       noise->heading_walk_rad_per_sqrt_m = in_.noise.heading_walk_rad_per_sqrt_m;
     if (tags_ > 0 && !noise->range_m) noise->range_m = std::sqrt(tag_range_squares_ / tags_);
@@ -93,6 +94,14 @@ class BagLog {
     for (const std::string& name : {topic, frame, WithoutRobot(topic), WithoutRobot(frame)})
       if (const auto given = in_.mounts.find(name); given != in_.mounts.end()) return given->second;
     return std::nullopt;
+  }
+
+  // Nothing where nobody says where it sits.
+  std::optional<Pose> Antenna() const {
+    if (const auto given = GivenMount(in_.fixes.topic, in_.fixes.frame)) return given;
+    if (!in_.fixes.frame.empty() && in_.fixes.frame == in_.base) return Pose();
+    const auto mount = in_.frames.Find(in_.base, in_.fixes.frame);
+    return mount ? std::optional<Pose>(mount->transform.Planar()) : std::nullopt;
   }
 
   void TakeOdometryOfFrames() {
@@ -168,7 +177,14 @@ class BagLog {
     TurnByGyro(gyro, mount ? mount->transform : Transform(), &in_.odometry.poses, &report_);
   }
 
-  void AddPose(const PoseRow& row, std::optional<Pose> RangeEvent::* which) {
+  // They are most of the memory, but for landmarks.
+  void ReserveEvents() {
+    std::size_t count = in_.odometry.poses.size() + in_.truth.size() + in_.poses.size();
+    for (const auto& scan : in_.scans) count += scan->events.size();
+    ranges_.events.reserve(count);
+  }
+
+  void AddPose(const PoseRow& row, const auto& which) {
     RangeEvent event;
     event.line = row.number;
     event.stamp_s = row.time_s;
@@ -243,38 +259,30 @@ class BagLog {
     rows.sensor = lasers_ == 0 ? "laser" : "laser" + std::to_string(lasers_ + 1);
     ++lasers_;
     rows.max_range_m = scan->max_range_m;
-    KeepBeamsWithPoints(scan);
+    rows.beams_kept = BeamsWithPoints(*scan);
     const Transform mount = scan->level_at ? Level(*scan->level_at) : MountOf(scan->topic, scan->frame);
     double steepest = 0;
     for (std::size_t beam = 0; beam < scan->beams; ++beam)
-      if (scan->scans_with_points.empty() || scan->scans_with_points[beam] > 0)
+      if (rows.beams_kept.empty() || rows.beams_kept[beam])
         AddBeam(mount, scan->first_rad + static_cast<double>(beam) * scan->step_rad, &rows, &steepest);
     WarnOfTilt(scan->topic, steepest);
-    ranges_.events.reserve(ranges_.events.size() + scan->events.size());
     for (RangeEvent& event : scan->events) {
       event.sensor = ranges_.sensors.size();
       ranges_.events.push_back(std::move(event));
     }
     scan->events = {};
-    rows.range_m = std::move(scan->range_m);
-    rows.intensity = std::move(scan->intensity);
-    if (!rows.intensity.empty())
-      rows.intensity.resize(rows.range_m.size(), std::numeric_limits<float>::quiet_NaN());
+    rows.scans = std::make_shared<ScanRows>(std::move(scan->scans));
     ranges_.sensors.push_back(std::move(rows));
   }
 
   // Where a cloud has points in less than one of a hundred scans its sensor does not look.
-  static void KeepBeamsWithPoints(ScanTopic* scan) {
-    std::vector<std::size_t>& counts = scan->scans_with_points;
-    if (counts.empty()) return;
-    for (std::size_t& count : counts)
-      if (100 * count < scan->events.size()) count = 0;
-    if (std::ranges::all_of(counts, [](std::size_t count) { return count == 0; }))
-      throw InputError(scan->topic + ": there is hardly a point in its clouds");
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < scan->range_m.size(); ++i)
-      if (counts[i % counts.size()] > 0) scan->range_m[kept++] = scan->range_m[i];
-    scan->range_m.resize(kept);
+  static std::vector<bool> BeamsWithPoints(const ScanTopic& scan) {
+    std::vector<bool> beams;
+    for (const std::size_t count : scan.scans_with_points)
+      beams.push_back(count > 0 && 100 * count >= scan.events.size());
+    if (!beams.empty() && std::ranges::find(beams, true) == beams.end())
+      throw InputError(scan.topic + ": there is hardly a point in its clouds");
+    return beams;
   }
 
   // A round is over when each sensor has said something; what one says twice in it counts as it said it last.
@@ -330,7 +338,7 @@ class BagLog {
     RangeEvent event;
     event.line = seen.number;
     event.stamp_s = seen.time_s;
-    event.landmark = {seen.name, kNan, kNan};
+    event.landmark = LandmarkSeen{seen.name, kNan, kNan};
     if (!seen.is_contact) event.landmark = PlaceOf(seen);
     ranges_.events.push_back(std::move(event));
   }
@@ -363,7 +371,7 @@ class BagLog {
       RangeEvent event;
       event.line = seen.tag.number;
       event.stamp_s = seen.tag.time_s;
-      event.landmark = {seen.tag.name, range_m, std::atan2(at.y, at.x)};
+      event.landmark = LandmarkSeen{seen.tag.name, range_m, std::atan2(at.y, at.x)};
       ranges_.events.push_back(std::move(event));
     }
   }

@@ -188,17 +188,13 @@ class ScanReader : public TopicReader {
     RangeEvent event;
     event.line = message.number;
     event.stamp_s = *time_s;
-    event.row = topic_.events.size();
+    event.row = static_cast<std::uint32_t>(topic_.events.size());
     topic_.events.push_back(std::move(event));
     // REP 117: nearer than the least range is no reading, NaN none, infinity nothing within reach.
-    const double least = FirstNumber(found[5]);
-    const std::size_t before = topic_.range_m.size();
-    topic_.range_m.resize(before + ranges.size());
-    for (std::size_t i = 0; i < ranges.size(); ++i)
-      topic_.range_m[before + i] = ranges[i] >= least ? ranges[i] : kNone;
-    if (found[8].numbers.size() != ranges.size()) return;
-    topic_.intensity.resize(before, std::numeric_limits<float>::quiet_NaN());
-    topic_.intensity.insert(topic_.intensity.end(), found[8].numbers.begin(), found[8].numbers.end());
+    intensity_.clear();
+    if (found[8].numbers.size() == ranges.size())
+      intensity_.assign(found[8].numbers.begin(), found[8].numbers.end());
+    topic_.scans.Add(ranges, FirstNumber(found[5]), intensity_);
   }
 
  private:
@@ -216,14 +212,15 @@ class ScanReader : public TopicReader {
     topic_.step_rad = step;
     topic_.max_range_m = reach;
     topic_.beams = beams;
+    topic_.scans = ScanRows(topic_.folder, beams, reach);
     // Memory that is not written to takes none; a bag that says more than it has gets no more than this.
     constexpr std::size_t kMostReserved = std::size_t{1} << 31;
-    topic_.range_m.reserve(std::min(topic_.expected, kMostReserved / sizeof(double) / beams) * beams);
     topic_.events.reserve(std::min(topic_.expected, kMostReserved / sizeof(RangeEvent)));
   }
 
   bool has_echoes_;
   ScanTopic& topic_;
+  std::vector<float> intensity_;
 };
 
 class ConeReader : public TopicReader {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -51,8 +52,8 @@ struct ScanTopic {
   bool is_infrared = false;
   std::size_t beams = 0;
   std::size_t expected = 0;        // scans, as far as that is known
-  RangeValues range_m;             // of a laser: a row for each event
-  std::vector<float> intensity;    // the same; empty: no message has any
+  std::filesystem::path folder;    // for its scans (ScanRows)
+  ScanRows scans;                  // of a laser: a row for each event
   std::vector<RangeEvent> events;  // without a sensor
   // Of clouds: beams are as the robot has them, about this place; and how many scans had points there.
   std::optional<Pose> level_at;

@@ -32,9 +32,9 @@ constexpr PixelForm kPixelForms[] = {
     {"bayer_rggb8", 1, 0, 1}, {"bayer_bggr8", 1, 0, 1}, {"bayer_gbrg8", 1, 0, 1}, {"bayer_grbg8", 1, 0, 1},
     {"yuv422", 2, 1, 1},      {"yuv422_yuy2", 2, 0, 1}};
 
-// As a file, PGM.
-std::string GreyFile(std::string_view encoding, std::size_t rows, std::size_t columns, std::size_t step,
-                     ByteSpan bytes) {
+// As a file, PGM. Of numbers of two bytes the higher one counts.
+std::string GreyFile(std::string_view encoding, bool is_big_endian, std::size_t rows, std::size_t columns,
+                     std::size_t step, ByteSpan bytes) {
   const auto* const form = std::ranges::find(kPixelForms, encoding, &PixelForm::encoding);
   if (form == std::end(kPixelForms))
     throw LineError{"an image of an encoding that is not known", Printable(std::string(encoding), 40)};
@@ -42,11 +42,12 @@ std::string GreyFile(std::string_view encoding, std::size_t rows, std::size_t co
     throw LineError{"an image with fewer bytes than pixels", std::to_string(columns) + " by " +
                                                                  std::to_string(rows) + " of " +
                                                                  std::to_string(bytes.size()) + " bytes"};
+  const std::size_t first = is_big_endian && encoding == "mono16" ? 0 : form->first;
   std::string file = "P5 " + std::to_string(columns) + " " + std::to_string(rows) + " 255\n";
   file.reserve(file.size() + rows * columns);
   for (std::size_t row = 0; row < rows; ++row) {
     for (std::size_t column = 0; column < columns; ++column) {
-      const std::size_t at = row * step + column * form->bytes + form->first;
+      const std::size_t at = row * step + column * form->bytes + first;
       unsigned sum = 0;
       for (std::size_t c = 0; c < form->colours; ++c) sum += std::to_integer<unsigned>(bytes[at + c]);
       file += static_cast<char>(sum / form->colours);
@@ -63,18 +64,19 @@ class ImageReader : public TopicReader {
       : is_compressed_(type == "sensor_msgs/CompressedImage"), camera_(*camera) {}
   std::vector<std::string> paths() const override {
     if (is_compressed_) return {"header.stamp", "header.frame_id", "data"};
-    return {"header.stamp", "header.frame_id", "data", "encoding", "height", "width", "step"};
+    return {"header.stamp", "header.frame_id", "data", "encoding", "height", "width", "step", "is_bigendian"};
   }
-  std::size_t needed() const override { return paths().size(); }
+  std::size_t needed() const override { return is_compressed_ ? 3 : 7; }
   void Take(const std::vector<Found>& found, const Message& message, TopicClock* clock) override {
     const auto time_s = clock->At(found[0].numbers, message.receive_ns);
     if (!time_s) return;
     if (camera_.frame_.empty()) camera_.frame_ = FrameName(FirstText(found[1]));
     const ByteSpan bytes = found[2].bytes;
     camera_.Add(*time_s, message.number,
-                is_compressed_ ? std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())
-                               : GreyFile(FirstText(found[3]), FirstCount(found[4]), FirstCount(found[5]),
-                                          FirstCount(found[6]), bytes));
+                is_compressed_
+                    ? std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())
+                    : GreyFile(FirstText(found[3]), FirstNumber(found[7]) != 0, FirstCount(found[4]),
+                               FirstCount(found[5]), FirstCount(found[6]), bytes));
   }
 
  private:

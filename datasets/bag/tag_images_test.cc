@@ -38,11 +38,12 @@ class TagImagesTest : public ImportBagTest {
     messages_.push_back(Info());
     for (const double at_s : {1001.0, 1002.0}) messages_.push_back(ImageOf(at_s, "rgb8", 3));
   }
-  static BagMessage ImageOf(double at_s, const std::string& encoding, unsigned pixel_bytes) {
+  static BagMessage ImageOf(double at_s, const std::string& encoding, unsigned pixel_bytes,
+                            bool is_big_endian = false) {
     const unsigned step = 4 * pixel_bytes + 1;  // a byte more than its pixels
     Encoder out(To::kCdr);
     out.Header(at_s, "camera").Put<std::uint32_t>(3).Put<std::uint32_t>(4).Text(encoding);
-    out.Put<std::uint8_t>(0).Put<std::uint32_t>(step).Put<std::uint32_t>(3 * step);
+    out.Put<std::uint8_t>(is_big_endian ? 1 : 0).Put<std::uint32_t>(step).Put<std::uint32_t>(3 * step);
     for (unsigned i = 0; i < 3 * step; ++i) out.Put(static_cast<std::uint8_t>(i));
     return {"/camera/image_raw", "sensor_msgs/Image", at_s, out.text()};
   }
@@ -78,6 +79,21 @@ TEST_F(TagImagesTest, TagsAreLandmarksWhereTheCameraSitsAndLooks) {
   options_.mounts["/camera/image_raw"] = {0, 0.2, std::numbers::pi / 2};
   ImportMcap();
   ExpectTag(0.5, 2.2);
+}
+
+TEST_F(TagImagesTest, OfGreyOfTwoBytesTheHigherOneCounts) {
+  std::erase_if(messages_, [](const BagMessage& one) { return one.topic == "/camera/image_raw"; });
+  for (const bool is_big_endian : {false, true})
+    messages_.push_back(ImageOf(is_big_endian ? 1002 : 1001, "mono16", 2, is_big_endian));
+  ImportMcap();
+  std::string low("P5 4 3 255\n"), high = low;  // rows of eight bytes, and one that is no pixel's
+  for (const char row : {0, 9, 18})
+    for (const char at : {0, 2, 4, 6}) {
+      low += static_cast<char>(row + at + 1);
+      high += static_cast<char>(row + at);
+    }
+  const std::string bytes = std::to_string(low.size()) + "\n";
+  EXPECT_EQ(images_, bytes + low + bytes + high);
 }
 
 // An optical frame looks along its z axis; one whose z axis points up is the camera's body.

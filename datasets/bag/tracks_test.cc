@@ -55,6 +55,41 @@ TEST_F(BagTracksTest, FixesAreMetresEastAndNorthOfTheFirst) {
   ExpectContains(Refusal(messages), "that topic is of sensor_msgs/NavSatFix");
 }
 
+// Along an arc of 5 m to the left, by an antenna half a metre ahead of the robot's middle and to its left.
+TEST_F(BagTracksTest, FixesOfAnAntennaAsideAreThePlacesOfTheRobot) {
+  auto messages = bag::SmallDrive(To::kRos1);
+  const double north_deg = 1 / 110574.27, east_deg = 1 / 111319.49;
+  std::vector<Pose> poses;
+  for (int i = 0; i <= 50; ++i) {
+    const double at = 1000 + 0.1 * i, turn = 0.04 * i;
+    poses.push_back({5 * std::sin(turn), 5 - 5 * std::cos(turn), turn});
+    const Pose antenna = Compose(poses.back(), {0.4, 0.3, 0});
+    messages.push_back({"/fix", "sensor_msgs/NavSatFix", at,
+                        bag::FixMessage(To::kRos1, at, antenna.y_m * north_deg, 7 + antenna.x_m * east_deg,
+                                        std::int8_t{0}, 0.0004)});
+  }
+  options_.truth = "/fix";
+  const auto most_off_m = [&] {
+    const auto x = Column<double>("truth/robot/0/poses/x_m"), y = Column<double>("truth/robot/0/poses/y_m");
+    EXPECT_EQ(x.size(), poses.size());
+    double most = 0;  // of the ends the course is not known as well
+    const double dx = x[25] - poses[25].x_m, dy = y[25] - poses[25].y_m;
+    for (std::size_t i = 10; i + 10 < x.size(); ++i)
+      most = std::max(most, std::hypot(x[i] - poses[i].x_m - dx, y[i] - poses[i].y_m - dy));
+    return most;
+  };
+  ExpectContains(AllWarnings(Import(messages)), "no tf says where on the robot that is");
+  EXPECT_GT(most_off_m(), 0.2);
+  options_.mounts["/fix"] = {0.4, 0.3, 0};
+  ExpectContains(
+      AllWarnings(Import(messages)),
+      "they are of the antenna, 0.40 m ahead of the robot's middle and 0.30 m to its left, which is "
+      "taken off by the course");
+  EXPECT_LT(most_off_m(), 0.02);
+  options_.mounts["/fix"] = {0.01, 0, 0};
+  ExpectContains(AllWarnings(Import(messages)), "the antenna sits in the robot's middle");
+}
+
 TEST_F(BagTracksTest, FixesFarFromTheEquatorHaveTheirOwnDegrees) {
   // At 60 degrees north: 111,412 and 55,800 m a degree.
   auto messages = bag::SmallDrive(To::kRos1);

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "datasets/bag/window_file.h"
+#include "schema/text.h"
 
 namespace cairn::datasets::bag {
 namespace {
@@ -102,7 +103,7 @@ ByteSpan Unpacker::Unpack(const std::string& how, ByteSpan packed, std::uint64_t
   else if (how == "bz2")
     UnpackBz2(packed, &sink);
   else
-    throw Damage{"a chunk packed as '" + how.substr(0, 40) + "'; known are bz2, lz4 and zstd"};
+    throw Damage{"a chunk packed as '" + Printable(how, 40) + "'; known are bz2, lz4 and zstd"};
   if (sink.bytes().size() != size) throw Damage{"a packed chunk unpacks to less than it says"};
   return sink.bytes();
 }

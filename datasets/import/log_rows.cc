@@ -58,16 +58,18 @@ Array ArrayOf(const Shape& shape, RangeValues values) {
 kinds::Log::RangeSensor SensorOf(RangeRows&& rows) {
   const auto scans = static_cast<std::int64_t>(rows.time_s.size()),
              beams = static_cast<std::int64_t>(rows.beam_x_m.size());
-  kinds::Log::RangeSensor sensor{rows.sensor,
-                                 rows.time_s,
-                                 ArrayOf({scans, beams}, std::move(rows.range_m)),
-                                 rows.beam_x_m,
-                                 rows.beam_y_m,
-                                 rows.beam_heading_rad,
-                                 {},
-                                 rows.opening_rad,
-                                 rows.max_range_m,
-                                 {}};
+  kinds::Log::RangeSensor sensor{
+      rows.sensor,
+      rows.time_s,
+      rows.taken ? std::move(rows.taken->range_m) : ArrayOf({scans, beams}, std::move(rows.range_m)),
+      rows.beam_x_m,
+      rows.beam_y_m,
+      rows.beam_heading_rad,
+      {},
+      rows.opening_rad,
+      rows.max_range_m,
+      {}};
+  if (rows.taken && rows.taken->intensity) sensor.intensity = std::move(*rows.taken->intensity);
   if (!rows.intensity.empty()) sensor.intensity = Column<float>({scans, beams}, rows.intensity);
   return sensor;
 }

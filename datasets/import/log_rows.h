@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <new>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "datasets/import/scan_rows.h"
 #include "schema/blob.h"
 #include "schema/geometry.h"
 
@@ -106,6 +108,11 @@ struct RangeRows {
   std::vector<double> time_s;
   RangeValues range_m;           // a row of all beams for each scan
   std::vector<float> intensity;  // the same; empty: the sensor does not say
+  // Or, of a laser whose scans are its rows (RangeEvent::row): these, and which of their beams count (empty:
+  // all); and what the log takes of them.
+  std::shared_ptr<ScanRows> scans;
+  std::vector<bool> beams_kept;
+  std::optional<ScanRows::Taken> taken;
 };
 struct RobotRows {
   std::string name;

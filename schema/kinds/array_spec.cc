@@ -196,7 +196,6 @@ class Checker {
   void CheckValues(const ArraySpec& spec, const Owner& owner, const std::string& name, const Array& array) {
     const Values& allowed = spec.values;
     if (allowed.is_free) return;
-    const std::span<const T> values = array.As<T>();
     double most = allowed.most;
     if (!allowed.index_into.empty()) most = static_cast<double>(RowsIn(allowed.index_into, owner)) - 1;
     const auto is_bad = [&](T v) {
@@ -204,9 +203,17 @@ class Checker {
       return !(value >= allowed.least - allowed.slack && value <= most + allowed.slack) &&
              !(allowed.may_be_nan && std::isnan(value));
     };
-    if (const auto bad = std::ranges::find_if(values, is_bad); bad != values.end())
-      throw InputError(fmt::format("{}: {}, where {} needed", Entry(name, array, bad - values.begin()),
-                                   fmt::format("{}", *bad), Allowed(allowed, owner, most)));
+    std::ptrdiff_t before = 0;
+    array.TakeInPieces([&](std::span<const std::byte> bytes) {
+      const std::span values(reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T));
+      if (const auto bad = std::ranges::find_if(values, is_bad); bad != values.end())
+        throw InputError(fmt::format("{}: {}, where {} needed",
+                                     Entry(name, array, before + (bad - values.begin())),
+                                     fmt::format("{}", *bad), Allowed(allowed, owner, most)));
+      before += std::ssize(values);
+      return true;
+    });
+    const std::span<const T> values = array.As<T>();
     if (allowed.rises) CheckRises(name, array, values);
     if (!allowed.rows_of.empty())
       CheckSum(name, values, RowsIn(allowed.rows_of, owner), NameFor(allowed.rows_of, owner));

@@ -177,8 +177,9 @@ int RenameToNew(const std::filesystem::path& from, const std::filesystem::path& 
   return is_there ? EEXIST : RenameOver(from, to);
 }
 
-Status WriteAndPublish(const std::filesystem::path& path, std::span<const std::byte> bytes,
-                       const FileRights* rights,
+// `write` makes the temporary file; EEXIST where there is one.
+Status WriteAndPublish(const std::filesystem::path& path,
+                       const std::function<int(const std::filesystem::path& temporary)>& write,
                        int (*publish)(const std::filesystem::path& from, const std::filesystem::path& to)) {
   if (IsNoFile(path))
     return {Code::kRefused, path.string() + ": is a device, a pipe or a socket; a file is needed"};
@@ -186,7 +187,7 @@ Status WriteAndPublish(const std::filesystem::path& path, std::span<const std::b
   int error = EEXIST;
   while (error == EEXIST) {  // left by a process that had this one's number
     temporary.emplace(path);
-    error = WriteSynced(temporary->path(), bytes, rights);
+    error = write(temporary->path());
   }
   if (error == 0) error = publish(temporary->path(), path);
   if (error != 0) {
@@ -196,6 +197,13 @@ Status WriteAndPublish(const std::filesystem::path& path, std::span<const std::b
   if (const int sync = TrySyncFolder(FolderOf(path)))
     return SystemFailure(path, "cannot sync its folder", sync);
   return Status::Ok();
+}
+
+Status WriteAndPublish(const std::filesystem::path& path, std::span<const std::byte> bytes,
+                       const FileRights* rights,
+                       int (*publish)(const std::filesystem::path& from, const std::filesystem::path& to)) {
+  return WriteAndPublish(
+      path, [&](const std::filesystem::path& to) { return WriteSynced(to, bytes, rights); }, publish);
 }
 
 }  // namespace
@@ -236,6 +244,19 @@ Status WriteFileAtomically(const std::filesystem::path& path, std::span<const st
 
 Status WriteNewFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes) {
   return WriteAndPublish(path, bytes, nullptr, RenameToNew);
+}
+
+Status WriteInPlaceAtomically(const std::filesystem::path& path, bool is_new,
+                              const std::function<Status(const std::filesystem::path& temporary)>& fill) {
+  Status filled;
+  const auto write = [&](const std::filesystem::path& temporary) {
+    Descriptor file(temporary, O_RDONLY | O_CREAT | O_EXCL, 0666);
+    if (file.get() < 0) return errno;
+    filled = fill(temporary);
+    return filled.ok() && ::fsync(file.get()) == 0 ? 0 : filled.ok() ? errno : EIO;
+  };
+  const Status published = WriteAndPublish(path, write, is_new ? RenameToNew : RenameOver);
+  return filled.ok() ? published : filled;
 }
 
 Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text) {

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,9 @@ Status WriteFileAtomically(const std::filesystem::path& path, std::span<const st
 // where the file system can (FAT cannot); else the last one's stays.
 Status WriteNewFileAtomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Status WriteTextAtomically(const std::filesystem::path& path, std::string_view text);
+// The same of what `fill` writes into the temporary file, which is there and empty.
+Status WriteInPlaceAtomically(const std::filesystem::path& path, bool is_new,
+                              const std::function<Status(const std::filesystem::path& temporary)>& fill);
 
 // Who may do what with a file.
 struct FileRights {

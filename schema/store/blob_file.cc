@@ -194,6 +194,17 @@ Result<BlobFile> AsBlobFile(Result<FileContents> contents) {
   return BlobFile{std::move(found.kind), std::move(found.blob), found.changed};
 }
 
+Status Write(const std::filesystem::path& path, const std::string& kind, const Blob& blob, bool is_new) {
+  if (std::ranges::any_of(blob.fields(), [](const auto& field) { return field.second.is_in_file(); }))
+    return WriteInPlaceAtomically(path, is_new, [&](const std::filesystem::path& temporary) {
+      return store::EncodeBlobInto(temporary, path, kind, blob);
+    });
+  const Result<store::FileImage> image = store::EncodeBlob(kind, blob);
+  if (!image.ok()) return Named(path.string(), image.status());
+  return is_new ? WriteNewFileAtomically(path, image.value().bytes())
+                : WriteFileAtomically(path, image.value().bytes());
+}
+
 }  // namespace
 
 Result<FileContents> store::ReadChecked(const std::filesystem::path& path, const ReadOptions& options) {
@@ -226,15 +237,11 @@ Status store::ReadArraysInParts(const std::filesystem::path& path, const std::ve
 }
 
 Status WriteBlobFile(const std::filesystem::path& path, const std::string& kind, const Blob& blob) {
-  const Result<store::FileImage> image = store::EncodeBlob(kind, blob);
-  if (!image.ok()) return Named(path.string(), image.status());
-  return WriteFileAtomically(path, image.value().bytes());
+  return Write(path, kind, blob, false);
 }
 
 Status WriteNewBlobFile(const std::filesystem::path& path, const std::string& kind, const Blob& blob) {
-  const Result<store::FileImage> image = store::EncodeBlob(kind, blob);
-  if (!image.ok()) return Named(path.string(), image.status());
-  return WriteNewFileAtomically(path, image.value().bytes());
+  return Write(path, kind, blob, true);
 }
 
 Result<BlobFile> ReadBlobFile(const std::filesystem::path& path, const ReadOptions& options) {

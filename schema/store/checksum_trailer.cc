@@ -1,6 +1,10 @@
 #include "schema/store/checksum_trailer.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -20,6 +24,18 @@ std::array<std::byte, kTrailerBytes> TrailerOf(const Hasher& hasher) {
   std::memcpy(trailer.data(), kMagic.data(), kMagic.size());
   std::memcpy(trailer.data() + kMagic.size(), hash.bytes.data(), hash.bytes.size());
   return trailer;
+}
+
+// Of the bytes before `end`. Returns errno, or 0.
+int HashInto(const RegularFile& file, std::uint64_t end, Hasher* hasher) {
+  std::vector<std::byte> part(std::size_t{1} << 18);
+  for (std::uint64_t at = 0; at < end;) {
+    const auto bytes = std::span(part).first(std::min<std::uint64_t>(part.size(), end - at));
+    if (const int error = file.ReadAt(bytes, at)) return error;
+    hasher->Add(bytes);
+    at += bytes.size();
+  }
+  return 0;
 }
 
 Status Judge(const std::string& name, const std::array<std::byte, kTrailerBytes>& want,
@@ -65,14 +81,7 @@ Status CheckTrailer(const RegularFile& file, const std::string& name) {
   if (file.size() < kTrailerBytes) return TooShort(name);
   const std::uint64_t end = file.size() - kTrailerBytes;
   Hasher hasher;
-  std::vector<std::byte> part(std::size_t{1} << 18);
-  for (std::uint64_t at = 0; at < end;) {
-    const auto count = std::min<std::uint64_t>(part.size(), end - at);
-    if (const int error = file.ReadAt(std::span(part).first(count), at))
-      return SystemFailure(name, "cannot read", error);
-    hasher.Add(std::span<const std::byte>(part).first(count));
-    at += count;
-  }
+  if (const int error = HashInto(file, end, &hasher)) return SystemFailure(name, "cannot read", error);
   std::array<std::byte, kTrailerBytes> have;
   if (const int error = file.ReadAt(have, end)) return SystemFailure(name, "cannot read", error);
   const bool trailer = std::memcmp(have.data(), kMagic.data(), kMagic.size()) == 0;
@@ -83,6 +92,27 @@ Status CheckTrailer(const RegularFile& file, const std::string& name) {
 Status CheckTrailer(const std::filesystem::path& path) {
   const Result<RegularFile> file = RegularFile::Open(path);
   return file.ok() ? CheckTrailer(file.value(), path.string()) : file.status();
+}
+
+int EndWithTrailer(const std::filesystem::path& path) {
+  const Result<RegularFile> file = RegularFile::Open(path);
+  if (!file.ok()) return EIO;
+  std::array<std::byte, kHeadBytes> head{};
+  if (const int error = file.value().ReadAt(head, 0)) return error;
+  const std::uint64_t end = StatedEnd(head);
+  CAIRN_DEMAND(end > 0 && end <= file.value().size(), "HDF5 made a file whose end cannot be found");
+  Hasher hasher;
+  if (const int error = HashInto(file.value(), end, &hasher)) return error;
+  const std::array<std::byte, kTrailerBytes> trailer = TrailerOf(hasher);
+  const int out = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (out < 0) return errno;
+  errno = ENOSPC;  // where it is written in part
+  const auto at = static_cast<off_t>(end);
+  const bool done =
+      ::ftruncate(out, at) == 0 && ::pwrite(out, trailer.data(), trailer.size(), at) == std::ssize(trailer);
+  const int error = done ? 0 : errno;
+  ::close(out);
+  return error;
 }
 
 bool HasTrailer(const RegularFile& file) {

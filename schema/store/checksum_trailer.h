@@ -18,6 +18,10 @@ inline constexpr std::size_t kTrailerBytes = 24;
 
 std::array<std::byte, kTrailerBytes> TrailerOf(std::span<const std::byte> bytes);
 
+// Cuts off what stands behind the end of an HDF5 file, and puts the checksum trailer there. Returns errno, or
+// 0.
+int EndWithTrailer(const std::filesystem::path& path);
+
 // kCorrupt: no checksum trailer, or one of other bytes; kNotFound; kIo. The message names the file.
 Status CheckTrailer(const std::filesystem::path& path);
 Status CheckTrailer(std::span<const std::byte> image, const std::string& name);

@@ -1,13 +1,18 @@
 #include "schema/store/encode.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <map>
 #include <new>
 #include <set>
 #include <vector>
 
+#include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
 #include "schema/store/checksum_trailer.h"
 #include "schema/store/hdf5_handle.h"
@@ -68,20 +73,31 @@ void KeepLinksInHeader(const Handle& group_creation, const GroupSize& size) {
   H5Pset_est_link_info(group_creation.get(), links, name);
 }
 
+// The 1.10 layout has checksums in all of its metadata too; times would make equal files differ.
+Handle Create(const char* path, const Handle& access, const GroupSize& root) {
+  const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+  if (H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110) < 0 ||
+      H5Pset_obj_track_times(creation.get(), false) < 0)
+    return {};
+  KeepLinksInHeader(creation, root);
+  return {H5Fcreate(path, H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose};
+}
+
 Handle CreateInMemory(std::size_t expected_bytes, const GroupSize& root, FileImage* image) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   H5FD_file_image_callbacks_t callbacks{Allocate,      CopyBytes,     Resize, LetGo,
                                         ShareUserData, LeaveUserData, image};
-  // The 1.10 layout has checksums in all of its metadata too; times would make equal files differ.
-  if (H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110) < 0 ||
-      H5Pset_fapl_core(access.get(), expected_bytes, false) < 0 ||
-      H5Pset_file_image_callbacks(access.get(), &callbacks) < 0 ||
-      H5Pset_obj_track_times(creation.get(), false) < 0) {
+  if (H5Pset_fapl_core(access.get(), expected_bytes, false) < 0 ||
+      H5Pset_file_image_callbacks(access.get(), &callbacks) < 0)
     return {};
-  }
-  KeepLinksInHeader(creation, root);
-  return {H5Fcreate("blob", H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose};
+  return Create("blob", access, root);
+}
+
+// So that HDF5, which cannot close a file that it could not write, finds the room. Returns errno, or 0.
+int TakeRoom(const Handle& file, std::size_t bytes) {
+  void* descriptor = nullptr;
+  if (H5Fget_vfd_handle(file.get(), H5P_DEFAULT, &descriptor) < 0) return EIO;
+  return ::posix_fallocate(*static_cast<int*>(descriptor), 0, static_cast<off_t>(bytes));
 }
 
 bool PutAttribute(hid_t object, const char* name, hid_t type, const void* value) {
@@ -144,6 +160,27 @@ bool PutGroups(hid_t file, const GroupSizes& sizes) {
   return true;
 }
 
+// Of an array over a file some chunks at a time.
+bool WriteElements(const Handle& dataset, const Handle& type, const Handle& space, const Array& array) {
+  if (!array.is_in_file())
+    return H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, array.bytes().data()) >= 0;
+  const std::int64_t rows = array.shape().front();
+  const std::size_t row_bytes = array.bytes().size() / static_cast<std::size_t>(rows);
+  const std::int64_t step = ChunksOf(array.shape(), array.item_bytes()).front();
+  std::vector<hsize_t> begin(array.shape().size(), 0), count(array.shape().begin(), array.shape().end());
+  for (std::int64_t row = 0; row < rows; row += step) {
+    begin[0] = static_cast<hsize_t>(row);
+    count[0] = static_cast<hsize_t>(std::min(step, rows - row));
+    const Handle piece(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
+    const auto bytes = array.bytes().subspan(static_cast<std::size_t>(row) * row_bytes, count[0] * row_bytes);
+    if (H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr) < 0 ||
+        H5Dwrite(dataset.get(), type.get(), piece.get(), space.get(), H5P_DEFAULT, bytes.data()) < 0)
+      return false;
+    array.LetGo(bytes);
+  }
+  return true;
+}
+
 bool PutDataset(hid_t file, const std::string& name, const Array& array) {
   const bool scalar = array.shape().empty();
   const Shape shape = scalar ? Shape{1} : array.shape();
@@ -157,8 +194,7 @@ bool PutDataset(hid_t file, const std::string& name, const Array& array) {
   if (!dataset.ok() || !PutTextAttribute(dataset.get(), "unit", UnitOf(name))) return false;
   const std::int32_t one = 1;
   if (scalar && !PutAttribute(dataset.get(), "scalar", H5T_NATIVE_INT32, &one)) return false;
-  return array.size() == 0 ||
-         H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, array.bytes().data()) >= 0;
+  return array.size() == 0 || WriteElements(dataset, type, space, array);
 }
 
 // HDF5 would silently drop empty and "." parts, and the name would not come back.
@@ -207,18 +243,7 @@ std::size_t ExpectedBytes(const Blob& blob) {
   return bytes;
 }
 
-}  // namespace
-
-Result<FileImage> EncodeBlob(const std::string& kind, const Blob& blob) {
-  const std::lock_guard lock(LibraryMutex());
-  const QuietErrors quiet;
-  for (const auto& [name, array] : blob.fields()) {
-    if (!NameHolds(name)) return Status(Code::kIo, "dataset '" + name + "': not a name that a file can hold");
-  }
-  const GroupSizes sizes = SizesOf(blob);
-  FileImage image;
-  Handle file = CreateInMemory(ExpectedBytes(blob), sizes.at(""), &image);
-  if (!file.ok()) return Failed("cannot begin");
+Status PutBlob(const Handle& file, const std::string& kind, const Blob& blob, const GroupSizes& sizes) {
   const std::int64_t format = kFormatVersion, trailer = 1;
   if (!PutAttribute(file.get(), "cairn_format", H5T_STD_I64LE, &format) ||
       !PutAttribute(file.get(), kTrailerAttribute, H5T_STD_I64LE, &trailer) ||
@@ -229,11 +254,55 @@ Result<FileImage> EncodeBlob(const std::string& kind, const Blob& blob) {
   for (const auto& [name, array] : blob.fields()) {
     if (!PutDataset(file.get(), name, array)) return Failed("dataset '" + name + "'");
   }
+  return Status::Ok();
+}
+
+Status CheckNames(const Blob& blob) {
+  for (const auto& [name, array] : blob.fields()) {
+    if (!NameHolds(name)) return {Code::kIo, "dataset '" + name + "': not a name that a file can hold"};
+  }
+  return Status::Ok();
+}
+
+}  // namespace
+
+Result<FileImage> EncodeBlob(const std::string& kind, const Blob& blob) {
+  const std::lock_guard lock(LibraryMutex());
+  const QuietErrors quiet;
+  if (Status names = CheckNames(blob); !names.ok()) return names;
+  const GroupSizes sizes = SizesOf(blob);
+  FileImage image;
+  Handle file = CreateInMemory(ExpectedBytes(blob), sizes.at(""), &image);
+  if (!file.ok()) return Failed("cannot begin");
+  if (Status put = PutBlob(file, kind, blob, sizes); !put.ok()) return put;
   if (!file.Close()) return Failed("cannot close");
   const std::uint64_t end = StatedEnd(image.bytes());
   CAIRN_DEMAND(end > 0 && end <= image.size, "HDF5 made a file whose end cannot be found");
   AppendTrailer(end, &image);
   return image;
+}
+
+Status EncodeBlobInto(const std::filesystem::path& temporary, const std::filesystem::path& path,
+                      const std::string& kind, const Blob& blob) {
+  const auto named = [&](const Status& status) {
+    return Status(status.code(), path.string() + ": " + status.message());
+  };
+  {
+    const std::lock_guard lock(LibraryMutex());
+    const QuietErrors quiet;
+    if (Status names = CheckNames(blob); !names.ok()) return named(names);
+    const GroupSizes sizes = SizesOf(blob);
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    H5Pset_file_locking(access.get(), false, true);  // nobody else knows its name
+    Handle file = Create(temporary.c_str(), access, sizes.at(""));
+    if (!file.ok()) return named(Failed("cannot begin"));
+    if (const int error = TakeRoom(file, ExpectedBytes(blob)))
+      return SystemFailure(path, "cannot write", error);
+    if (Status put = PutBlob(file, kind, blob, sizes); !put.ok()) return named(put);
+    if (!file.Close()) return named(Failed("cannot close"));
+  }
+  const int error = EndWithTrailer(temporary);
+  return error == 0 ? Status::Ok() : SystemFailure(path, "cannot write", error);
 }
 
 bool HasHdf5Signature(std::span<const std::byte> head) {

@@ -1,8 +1,10 @@
-// A blob as the bytes of an HDF5 file, made in memory: a full disk then never meets HDF5's cache.
+// A blob as the bytes of an HDF5 file, made in memory: a full disk then never meets HDF5's cache. Of a blob
+// that is larger than the memory HDF5 writes the file, for which the disk has given the room before.
 #pragma once
 
 #include <cstddef>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -23,6 +25,11 @@ struct FileImage {
 
 // With its checksum trailer. The message of a failed Status names the dataset, not the file.
 Result<FileImage> EncodeBlob(const std::string& kind, const Blob& blob);
+
+// The same bytes into the file `temporary`, which is there and empty; of arrays over files a piece at a time
+// is in memory. Fails also as SystemFailure (atomic_file.h) says; messages name `path`.
+Status EncodeBlobInto(const std::filesystem::path& temporary, const std::filesystem::path& path,
+                      const std::string& kind, const Blob& blob);
 
 // The end of the file as its superblock states it, or 0 where that cannot be said from these bytes: fewer
 // than kHeadBytes may be too few.

@@ -268,7 +268,10 @@ Result<Started> Start(const std::filesystem::path& path, const std::function<boo
   {
     const std::lock_guard lock(LibraryMutex());  // no other thread is inside HDF5 when the child begins
     child = ::fork();
-    if (child == 0) BeChild(ends[1], parent, size, write);
+    if (child == 0) {
+      LibraryMutex().unlock();  // the child's copy, which this thread holds: it may write files too
+      BeChild(ends[1], parent, size, write);
+    }
   }
   ::close(ends[1]);
   Stream in(::fdopen(ends[0], "rb"));

@@ -53,10 +53,19 @@ Shape ChunksOf(const Shape& shape, std::size_t item_bytes) {
 }
 
 bool DeflatePays(const Array& array) {
-  const std::span<const std::byte> bytes = array.bytes();
-  if (bytes.size() < (1U << 16)) return false;
-  const auto zeros = static_cast<std::size_t>(std::ranges::count(bytes, std::byte{0}));
-  return zeros >= bytes.size() / 4 * 3;
+  const std::size_t size = array.bytes().size(), needed = size / 4 * 3;
+  if (size < (1U << 16)) return false;
+  std::size_t zeros = 0, left = size;
+  array.TakeInPieces([&](std::span<const std::byte> piece) {
+    for (constexpr std::size_t kAtOnce = 1 << 16; !piece.empty() && zeros + left >= needed;) {
+      const auto part = piece.first(std::min(kAtOnce, piece.size()));
+      zeros += static_cast<std::size_t>(std::ranges::count(part, std::byte{0}));
+      left -= part.size();
+      piece = piece.subspan(part.size());
+    }
+    return zeros + left >= needed;
+  });
+  return zeros >= needed;
 }
 
 }  // namespace cairn::store

@@ -39,7 +39,10 @@ class Reader {
     } else if (message == "ODOM" || message == "TRUEPOS") {
       const CarmenPose pose = ParsePose(line);
       event.event.stamp_s = pose.stamp_s;
-      (message == "ODOM" ? event.event.odometry : event.event.truth) = pose.pose;
+      if (message == "ODOM")
+        event.event.odometry = pose.pose;
+      else
+        event.event.truth = pose.pose;
     } else if (message == "PARAM") {
       log_.params[std::string(line.Text(1))] = line.Text(2);
       ++report_->read[message];

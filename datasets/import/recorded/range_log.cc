@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <set>
+#include <numeric>
 #include <utility>
 
 #include "datasets/import/name_index.h"
@@ -18,7 +18,7 @@ constexpr double kMostLate_s = 1, kTick_s = 1e-6;
 
 using Events = std::vector<RangeEvent>;
 
-bool SamePose(const std::optional<Pose>& a, const std::optional<Pose>& b) {
+bool SamePose(const auto& a, const auto& b) {
   if (!a || !b) return !a && !b;
   return a->x_m == b->x_m && a->y_m == b->y_m && a->heading_rad == b->heading_rad;
 }
@@ -33,14 +33,14 @@ bool StampsTellApart(const Events& events) {
   const bool scans = std::ranges::any_of(events, [](const RangeEvent& e) { return e.sensor.has_value(); });
   const bool odometry =
       std::ranges::any_of(events, [](const RangeEvent& e) { return e.odometry.has_value(); });
-  std::set<std::pair<std::size_t, double>> stamps;
-  std::size_t count = 0;
-  for (const RangeEvent& event : events) {
-    if (scans ? !event.sensor : odometry && !event.odometry) continue;
-    ++count;
-    stamps.emplace(event.sensor.value_or(0), event.stamp_s);
-  }
-  return 2 * stamps.size() > count;
+  std::vector<std::pair<std::size_t, double>> stamps;
+  for (const RangeEvent& event : events)
+    if (scans ? event.sensor.has_value() : !odometry || event.odometry)
+      stamps.emplace_back(event.sensor.value_or(0), event.stamp_s);
+  const std::size_t count = stamps.size();
+  std::ranges::sort(stamps);
+  const auto repeated = std::ranges::unique(stamps);
+  return 2 * (count - repeated.size()) > count;
 }
 
 void Number(Events* events) {
@@ -74,7 +74,9 @@ double SpreadScans(Events::iterator first, Events::iterator end, double time_s, 
   for (auto event = first; event != end; ++event) {
     event->stamp_s = time_s;
     if (!IsPosedScan(*event)) {
-      if (scans) event->odometry = event->corrected = std::nullopt;
+      if (!scans) continue;
+      event->odometry = std::nullopt;
+      event->corrected = std::nullopt;
       continue;
     }
     const bool same = before == nullptr || (SamePose(before->odometry, event->odometry) &&
@@ -103,7 +105,7 @@ void TellTimesApart(ImportReport* report, Events* events) {
 }
 
 // The poses of `which`; of those at one time the last.
-Poses PosesOf(const RangeLog& log, std::optional<Pose> RangeEvent::* which) {
+Poses PosesOf(const RangeLog& log, const auto& which) {
   Poses poses;
   poses.from.file = log.path;
   poses.from.before_line = log.before_line;
@@ -128,27 +130,6 @@ void AddScan(const RangeEvent& event, RangeRows* sensor) {
   sensor->intensity.resize(sensor->range_m.size(), kNone);
 }
 
-// Of the scans in `values` those alone, in this order. They are most of the memory, and most often all of
-// them as they are.
-template <class Values>
-void KeepRows(const std::vector<std::size_t>& rows, std::size_t beams, Values* values) {
-  const auto copy_to = [&](auto to) {
-    for (const std::size_t row : rows) {
-      const auto from = values->begin() + static_cast<std::ptrdiff_t>(row * beams);
-      to = from == to ? to + static_cast<std::ptrdiff_t>(beams)
-                      : std::copy(from, from + static_cast<std::ptrdiff_t>(beams), to);
-    }
-  };
-  if (std::ranges::is_sorted(rows)) {
-    copy_to(values->begin());
-    values->resize(rows.size() * beams);
-  } else {
-    Values ordered(rows.size() * beams);
-    copy_to(ordered.begin());
-    *values = std::move(ordered);
-  }
-}
-
 // Drivers that know none write zeros.
 void DropConstantIntensities(RangeRows* sensor) {
   const auto differs = [&](float one) { return !std::isnan(one) && one != sensor->intensity.front(); };
@@ -156,7 +137,7 @@ void DropConstantIntensities(RangeRows* sensor) {
 }
 
 void MarkUnanswered(ImportReport* report, RangeRows* sensor) {
-  std::int64_t unanswered = 0;
+  std::int64_t unanswered = sensor->taken ? sensor->taken->unanswered : 0;
   for (double& range : sensor->range_m) {
     if (range > 0 && range < sensor->max_range_m) continue;
     range = std::numeric_limits<double>::quiet_NaN();
@@ -174,7 +155,7 @@ void Order(RangeLog* log, BadLines* bad, ImportReport* report) {
     Number(&log->events);
   } else {
     DropLate(log->path, bad, report, &log->events);
-    std::ranges::stable_sort(log->events, {}, &RangeEvent::stamp_s);
+    SortByTime(&log->events);
   }
   TellTimesApart(report, &log->events);
 }
@@ -213,11 +194,7 @@ void AddSensed(RangeLog* log, double first_s, double last_s, NameIndex* known, I
   for (std::size_t i = 0; i < log->sensors.size(); ++i) {
     RangeRows& sensor = log->sensors[i];
     if (sensor.time_s.empty()) continue;
-    if (!rows[i].empty()) {
-      const std::size_t beams = sensor.beam_x_m.size();
-      KeepRows(rows[i], beams, &sensor.range_m);
-      if (!sensor.intensity.empty()) KeepRows(rows[i], beams, &sensor.intensity);
-    }
+    if (sensor.scans) sensor.taken = std::move(*sensor.scans).Take(rows[i], sensor.beams_kept);
     DropConstantIntensities(&sensor);
     MarkUnanswered(report, &sensor);
     robot.ranges.push_back(std::move(sensor));
@@ -238,9 +215,27 @@ void AddRobot(RangeLog* ranges, BadLines* bad, NameIndex* names, ImportReport* r
   robot->poses = corrected;
   robot->truth = PosesOf(*ranges, &RangeEvent::truth);
   AddSensed(ranges, first_s, last_s, names, report, robot);
+  ranges->events = {};
 }
 
 }  // namespace
+
+// An event is large, and there are many: their numbers are sorted, then each event is moved once.
+void SortByTime(std::vector<RangeEvent>* events) {
+  if (std::ranges::is_sorted(*events, {}, &RangeEvent::stamp_s)) return;
+  std::vector<std::uint32_t> from(events->size());
+  std::iota(from.begin(), from.end(), 0U);
+  std::ranges::stable_sort(from, {}, [&](std::uint32_t i) { return (*events)[i].stamp_s; });
+  for (std::uint32_t first = 0; first < from.size(); ++first) {
+    if (from[first] == first) continue;
+    RangeEvent held = std::move((*events)[first]);
+    std::uint32_t at = first;
+    for (; from[at] != first; at = std::exchange(from[at], at))
+      (*events)[at] = std::move((*events)[from[at]]);
+    (*events)[at] = std::move(held);
+    from[at] = at;
+  }
+}
 
 double Answer(double range_m, double least_m, double reach_m) {
   return range_m > least_m && range_m < reach_m ? range_m : std::numeric_limits<double>::quiet_NaN();

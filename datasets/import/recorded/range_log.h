@@ -3,12 +3,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "datasets/common/text_file.h"
 #include "datasets/import/log_rows.h"
+#include "datasets/import/rare.h"
 #include "schema/geometry.h"
 
 namespace cairn::datasets {
@@ -24,14 +26,14 @@ struct LandmarkSeen {
 struct RangeEvent {
   std::size_t line = 0;
   double stamp_s = 0;
-  std::optional<Pose> odometry;   // where the robot was, as its odometry says
-  std::optional<Pose> corrected;  // where it was, as the log's maker found out
-  std::optional<Pose> truth;
-  std::optional<std::size_t> sensor;     // of a scan: index into RangeLog::sensors
-  std::vector<double> range_m;           // or:
-  std::optional<std::size_t> row = {};   // of its sensor's `range_m`, which has the ranges of all its scans
-  std::optional<std::string> mark = {};  // what a person said of the place: a contact detection
-  std::optional<LandmarkSeen> landmark = {};
+  std::optional<Pose> odometry;  // where the robot was, as its odometry says
+  Rare<Pose> corrected;          // where it was, as the log's maker found out
+  Rare<Pose> truth;
+  std::optional<std::size_t> sensor;      // of a scan: index into RangeLog::sensors
+  std::vector<double> range_m;            // or:
+  std::optional<std::uint32_t> row = {};  // of its sensor's `scans`
+  Rare<std::string> mark = {};            // what a person said of the place: a contact detection
+  Rare<LandmarkSeen> landmark = {};
   std::vector<float> intensity = {};  // of each range, or none
 };
 
@@ -43,6 +45,9 @@ struct RangeLog {
   bool marks_are_names = false;    // marks of the same text are of one landmark
   std::string before_line = ":";   // what stands before a line's number in messages
 };
+
+// By their stamps; of equal ones in the order that they have.
+void SortByTime(std::vector<RangeEvent>* events);
 
 // Beams of a laser from right to left about its middle, at `ahead_m` on the robot.
 RangeRows LaserFan(const std::string& sensor, std::size_t beams, double step_deg, double ahead_m,

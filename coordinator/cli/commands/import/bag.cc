@@ -3,6 +3,7 @@
 #include "coordinator/cli/common/programs.h"
 #include "coordinator/cli/output/path.h"
 #include "datasets/bag/in_child.h"
+#include "schema/store/atomic_file.h"
 
 namespace cairn::cli {
 namespace {
@@ -27,9 +28,18 @@ int ImportBag(const BagOptions& options, const Invocation&) {
     };
   for (const std::string& mount : options.mounts)
     import.mounts.insert(ParseNamedMount(mount, "/scan=0.1,0,180"));
-  Blob log;
-  const datasets::ImportReport report = Take(datasets::ImportBagInChild(import, &log));
-  return StoreImport(options, log, report);
+  import.folder = std::filesystem::absolute(options.out).parent_path();
+  const Result<datasets::StoredImport> stored = datasets::ImportBagInChild(
+      import, [&](const Blob& log, const datasets::ImportReport& report) -> Result<std::string> {
+        try {
+          return WriteImport(options, log, report);
+        } catch (const WorldError& error) {
+          return Status(Code::kIo, error.what());
+        }
+      });
+  if (!stored.ok()) RemoveLeftoversOf(options.out);  // of a child that broke off
+  const datasets::StoredImport made = Take(stored);
+  return TellImport(options, made.told, made.report);
 }
 
 void AddTopics(Command command, datasets::BagImportOptions& bag) {

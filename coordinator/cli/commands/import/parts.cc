@@ -21,14 +21,18 @@
 namespace cairn::cli {
 namespace {
 
+constexpr std::size_t kMostLine = 10'000;  // what an import says quotes names of strangers
+
 void PrintCounts(const char* verb, const std::map<std::string, std::int64_t>& counts) {
   for (const auto& [reason, count] : counts) {
-    std::fprintf(stderr, "cairn: %s %lld: %s\n", verb, static_cast<long long>(count), reason.c_str());
+    std::fprintf(stderr, "cairn: %s %lld: %s\n", verb, static_cast<long long>(count),
+                 Printable(reason, kMostLine).c_str());
   }
 }
 
 void PrintLines(const char* what, const std::vector<std::string>& lines) {
-  for (const std::string& line : lines) std::fprintf(stderr, "cairn: %s: %s\n", what, line.c_str());
+  for (const std::string& line : lines)
+    std::fprintf(stderr, "cairn: %s: %s\n", what, Printable(line, kMostLine).c_str());
 }
 
 void AddNoiseOption(Command command, const char* flag, std::optional<double>& field, const char* help) {
@@ -39,16 +43,26 @@ void AddNoiseOption(Command command, const char* flag, std::optional<double>& fi
 
 int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportReport& report,
                 const char* kind) {
+  return TellImport(output, WriteImport(output, std::move(blob), report, kind), report, kind);
+}
+
+std::string WriteImport(const ImportOutput& output, Blob blob, const datasets::ImportReport& report,
+                        const char* kind) {
   if (const Status texts = CheckTexts(blob); !texts.ok()) throw InputError(texts.message());
   if (!report.unit_doubts.empty() && !output.units_are_right) CheckUnits("", report.unit_doubts);
   CheckKind(blob, kind);
   if (!report.unit_doubts.empty()) datasets::NoteUnitsAreRight(&blob);
-  PrintLines("warning", report.unit_doubts);
   WriteOutput(output.out, kind, blob, output.force);
+  return ContentText(blob);
+}
+
+int TellImport(const ImportOutput& output, const std::string& content, const datasets::ImportReport& report,
+               const char* kind) {
+  PrintLines("warning", report.unit_doubts);
   if (output.json) {
-    const nlohmann::ordered_json json = {{"file", output.out},           {"kind", kind},
-                                         {"content", ContentText(blob)}, {"read", report.read},
-                                         {"skipped", report.skipped},    {"left_out", report.dropped},
+    const nlohmann::ordered_json json = {{"file", output.out},         {"kind", kind},
+                                         {"content", content},         {"read", report.read},
+                                         {"skipped", report.skipped},  {"left_out", report.dropped},
                                          {"warnings", report.warnings}};
     std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     return kExitDone;
@@ -57,7 +71,7 @@ int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportRep
   PrintCounts("read", report.read);
   PrintCounts("skipped", report.skipped);
   PrintCounts("left out", report.dropped);
-  std::printf("%s: %s\n", output.out.c_str(), ContentText(blob).c_str());
+  std::printf("%s: %s\n", output.out.c_str(), content.c_str());
   return kExitDone;
 }
 

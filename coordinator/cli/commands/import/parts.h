@@ -21,6 +21,11 @@ struct ImportOutput {
 // out, and what the file holds, for people or as JSON. Returns the exit code.
 int StoreImport(const ImportOutput& output, Blob blob, const datasets::ImportReport& report,
                 const char* kind = "log");
+// Its two halves: the first gives what the file holds, the second says it.
+std::string WriteImport(const ImportOutput& output, Blob blob, const datasets::ImportReport& report,
+                        const char* kind = "log");
+int TellImport(const ImportOutput& output, const std::string& content, const datasets::ImportReport& report,
+               const char* kind = "log");
 
 // Options for the noise parameters of the odometry, and of a sensor that sees landmarks.
 void AddOdometryNoise(Command command, datasets::NoiseParameters& noise);
