@@ -18,11 +18,12 @@ namespace {
 using store_testing::Bytes;
 using store_testing::TempFolder;
 
-constexpr std::int64_t kRows = 3000, kColumns = 181;
+constexpr std::int64_t kSpoolRows = 3000, kSpoolColumns = 181;
 
 std::vector<double> Values() {
   std::vector<double> values;
-  for (std::int64_t i = 0; i < kRows * kColumns; ++i) values.push_back(0.1 * static_cast<double>(i));
+  for (std::int64_t i = 0; i < kSpoolRows * kSpoolColumns; ++i)
+    values.push_back(0.1 * static_cast<double>(i));
   values[7] = std::numeric_limits<double>::quiet_NaN();
   return values;
 }
@@ -30,15 +31,15 @@ std::vector<double> Values() {
 // Row by row.
 Array Spooled(const std::vector<double>& values, const std::filesystem::path& folder) {
   Spool spool(folder);
-  for (std::int64_t row = 0; row < kRows; ++row)
-    spool.Add(std::span(values).subspan(static_cast<std::size_t>(row * kColumns), kColumns));
-  return spool.Take(DType::kF64, sizeof(double), {kRows, kColumns}).value();
+  for (std::int64_t row = 0; row < kSpoolRows; ++row)
+    spool.Add(std::span(values).subspan(static_cast<std::size_t>(row * kSpoolColumns), kSpoolColumns));
+  return spool.Take(DType::kF64, sizeof(double), {kSpoolRows, kSpoolColumns}).value();
 }
 
 TEST(Spool, GivesWhatWasAddedInMemoryAndOverAFileWithoutAName) {
   const TempFolder folder;
   const std::vector<double> values = Values();
-  const Array all = Array::Of<double>({kRows, kColumns}, values);
+  const Array all = Array::Of<double>({kSpoolRows, kSpoolColumns}, values);
   const Array here = Spooled(values, {}), there = Spooled(values, folder / "");
   EXPECT_FALSE(here.is_in_file());
   EXPECT_EQ(here, all);
@@ -79,7 +80,7 @@ TEST(Spool, AFolderThatIsNotThereIsNamed) {
   Spool spool(folder / "none");
   const std::vector<double> values = Values();
   spool.Add(std::span(values));
-  const Result<Array> array = spool.Take(DType::kF64, sizeof(double), {kRows, kColumns});
+  const Result<Array> array = spool.Take(DType::kF64, sizeof(double), {kSpoolRows, kSpoolColumns});
   ASSERT_FALSE(array.ok());
   EXPECT_EQ(array.status().code(), Code::kNotFound);
   EXPECT_NE(array.status().message().find("/none: cannot write what is read"), std::string::npos);
@@ -130,7 +131,8 @@ TEST(Spool, AFullDiskLeavesNothing) {
   EXPECT_TRUE(WithSmallFiles(2'000'000, [&] {
     Spool spool(folder / "");
     spool.Add(std::span(values));
-    return spool.Take(DType::kF64, sizeof(double), {kRows, kColumns}).status().code() == Code::kNoSpace;
+    return spool.Take(DType::kF64, sizeof(double), {kSpoolRows, kSpoolColumns}).status().code() ==
+           Code::kNoSpace;
   }));
   Blob blob;
   blob.Put("laser/range_m", Spooled(values, folder / ""));
