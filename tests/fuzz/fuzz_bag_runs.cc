@@ -38,9 +38,10 @@ int main(int argc, char** argv) {
     const std::vector<Bytes> seeds = target.seeds();
     const auto began = std::chrono::steady_clock::now();
     unsigned long long accepted = 0;
-    for (at = first; at < first + runs; at = at + 1) {
-      if (at % 1000 == 0) ::alarm(kMost_s);
-      cairn::Rng rng(1998, at);
+    for (unsigned long long run = first; run < first + runs; ++run) {
+      at = run;
+      if (run % 1000 == 0) ::alarm(kMost_s);
+      cairn::Rng rng(1998, run);
       const Bytes bytes = Mutate(seeds[rng.Below(seeds.size())], &rng);
       accepted += target.run(bytes) == Outcome::kAccepted ? 1 : 0;
     }
