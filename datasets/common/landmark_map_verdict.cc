@@ -243,6 +243,29 @@ Verdict::Doubt OfPlaces(const kinds::LandmarkMap& map, Verdict* verdict) {
                   loose, shared, one_sided, std::abs(least_nats), least_nats < 0 ? "behind" : "ahead of")};
 }
 
+// Landmarks in a regular pattern: what was seen before a long way without any fits as well among their
+// neighbours.
+Verdict::Doubt OfPattern(const kinds::LandmarkMap& map, Verdict* verdict) {
+  constexpr double kTold_nats = 10;
+  const kinds::LandmarkMap::Fit& fit = map.fit;
+  if (!fit.shift_lead_nats) return {Confidence::kHigh};
+  const double lead_nats = fit.shift_lead_nats.Scalar();
+  const bool taken = fit.shift_taken.Or(0) != 0;
+  verdict->numbers.emplace_back("shift_lead_nats", lead_nats);
+  if (lead_nats >= kTold_nats && !taken) return {Confidence::kHigh};
+  const std::string seen = fmt::format("what was seen from {:.1f} to {:.1f} s is {:.1f} m further on",
+                                       fit.shift_from_s.Or(0), fit.shift_until_s.Or(0), fit.shift_m.Or(0));
+  if (lead_nats >= kTold_nats)
+    return {Confidence::kFair,
+            fmt::format("landmarks stand in a regular pattern: EM's own map, in which {}, is {:.1f} nats "
+                        "behind",
+                        seen, lead_nats)};
+  return {Confidence::kLow,
+          fmt::format("landmarks stand in a regular pattern: a map in which {} is only {:.1f} nats behind; a "
+                      "name for one or two landmarks would tell, or a landmark that breaks the pattern",
+                      seen, lead_nats)};
+}
+
 // Of robots that are tied: a sensor that errs by a factor makes landmarks of its own, beside those of the
 // others, who looked there and saw none. They take up what does not fit, and nothing else says so.
 Verdict::Doubt OfOneSided(const kinds::LandmarkMap& map, Verdict* verdict) {
@@ -353,9 +376,9 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, const SeenO
         WhereMuchIsLeftOut(all_named, explained_share, WhereStartsDisagree(map, OfWidths(map))),
         WhereStartsDisagree(map, OfRun(fit)), WhereStartsDisagree(map, OfJumps(map)), OfHalves(fit),
         OfLandmarksOnOneSide(map, verdict), OfFewInCommon(map, verdict), OfHoles(map, verdict),
-        OfPlaces(map, verdict), OfOneSided(map, verdict), OfUncertainty(map, verdict),
-        OfDistances(map, verdict), OfTurns(map, verdict), OfClocks(map, verdict), OfMounts(map, verdict),
-        OfRangeOffsets(map, verdict)}) {
+        OfPlaces(map, verdict), OfPattern(map, verdict), OfOneSided(map, verdict),
+        OfUncertainty(map, verdict), OfDistances(map, verdict), OfTurns(map, verdict), OfClocks(map, verdict),
+        OfMounts(map, verdict), OfRangeOffsets(map, verdict)}) {
     verdict->Add(doubt);
   }
 }

@@ -28,7 +28,9 @@ Confidence ReadConfidence(const Blob& result);
 // robot among the others rests on landmarks without names and is not ten nats ahead of the next one, or of
 // none (place_lead_nats); where less than half of the observations are of a landmark; where three landmarks
 // or more, and a fifth of what either side saw and both looked at, are seen by one robot alone or by all but
-// it (a tenth: fair at most); where odometry and observations contradict each other. At most fair where
+// it (a tenth: fair at most); where odometry and observations contradict each other; where a map is not ten
+// nats behind in which what one robot saw before, or between, long ways without landmarks is shifted along
+// their pattern (fit/shift_lead_nats). At most fair where such a map was taken instead of EM's, and where
 // odometry lacks some way (`holes/`), low where what was seen before and after does not hold together as
 // robots must. Of any other: what its search says, how many observations its landmarks explain, whether its
 // refinement was refused. Of a map of a log, and with options, like those on which the rates were measured

@@ -192,6 +192,32 @@ Blob FittedMap(std::int64_t observations, std::int64_t misfits, std::int64_t run
   return BlobOf(map);
 }
 
+// Posts in a row fit as well one post on.
+TEST(LandmarkMapVerdict, AMapThatFitsAsWellWhenItIsShiftedAlongAPatternIsLow) {
+  const auto shifted = [](double lead_nats, bool taken) {
+    Blob map = FittedMap(200, 0, 0, 0);
+    map.PutAll("", Searched(9, 57.25));
+    map.PutVector<std::int32_t>("map/landmark_identity", {-1});
+    map.PutScalar<double>("fit/shift_m", 2.97);
+    map.PutScalar<double>("fit/shift_from_s", 3);
+    map.PutScalar<double>("fit/shift_until_s", 81);
+    map.PutScalar<double>("fit/shift_lead_nats", lead_nats);
+    map.PutScalar<std::uint8_t>("fit/shift_taken", taken ? 1 : 0);
+    return LandmarkMapVerdict(map);
+  };
+  const Verdict low = shifted(3.5, false);
+  EXPECT_EQ(low.trust, Confidence::kLow);
+  EXPECT_NE(
+      low.why.find("landmarks stand in a regular pattern: a map in which what was seen from 3.0 to 81.0 "
+                   "s is 3.0 m further on is only 3.5 nats behind; a name for one or two landmarks"),
+      std::string::npos)
+      << low.why;
+  EXPECT_EQ(shifted(3.5, true).trust, Confidence::kLow);
+  EXPECT_EQ(shifted(10.5, false).trust, Confidence::kHigh);
+  EXPECT_EQ(shifted(10.5, true).trust, Confidence::kFair);
+  EXPECT_NE(shifted(10.5, true).why.find("EM's own map"), std::string::npos);
+}
+
 // Whichever of both says less.
 TEST(LandmarkMapVerdict, OfLandmarksWithoutNamesAtADistanceTheSearchAndTheFitTell) {
   const auto searched = [](int support, double lead_nats, Blob map) {

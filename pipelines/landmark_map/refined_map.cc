@@ -141,6 +141,10 @@ RefinedMap RefineMapOf(const Blob& blob, const Settings& settings, const Inputs&
   const bool refines = jointly && not_refined.empty();
   map.moved =
       RefineAllThatStayed(blob, paths, settings, in_two_places, refines, &map.found, &map.rows, &map.refined);
+  const auto is_named = [&](const Landmark& landmark) { return landmark.type < settings.map.types; };
+  if (refines && map.refined.refused.empty() && paths.size() == 1 && settings.map.classes.count == 1 &&
+      std::ranges::none_of(map.found, is_named))
+    map.shift = WeighShifts(log, paths, settings, &map.found, &map.rows, &map.refined);
   if (refines) map.landmarks = map.refined.landmarks;
   map.not_refined = map.refined.refused.empty() ? std::move(not_refined) : "refused: " + map.refined.refused;
   return map;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipelines/landmark_map/refinement/moved_landmarks.h"
+#include "pipelines/landmark_map/refinement/shifted.h"
 #include "pipelines/landmark_map/state/partial.h"
 #include "pipelines/landmark_map/state/settings.h"
 #include "pipelines/pipeline.h"
@@ -20,6 +21,7 @@ struct RefinedMap {
   std::vector<RowAssociations> rows;  // of each robot
   JointRefinement refined;
   std::vector<MovedLandmark> moved;
+  std::optional<WeighedShift> shift;
   std::string not_refined;  // why the landmarks are not those of the least squares; empty: they are
 };
 

@@ -348,8 +348,10 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   if (settings.detection.tells_passes && !settings.incremental)
     JudgePasses(settings, log.noise.false_ratio, &landmarks, &result);
   PutLandmarks(landmarks, settings.map, &result);
-  const LayeredGrid final_counts =
-      refined.paths.empty() ? counts : Recentred(counts, map.found, landmarks, settings);
+  const bool shifted = map.shift && map.shift->taken;  // EM counted elsewhere
+  const LayeredGrid final_counts = refined.paths.empty() ? counts
+                                   : shifted             ? CountsFromLandmarks(landmarks, settings)
+                                                         : Recentred(counts, map.found, landmarks, settings);
   PutMap(FinalMap(blob, settings, inputs, final_counts), settings.map, &result);
   result.PutAll("history/", history);
   result.PutScalar<std::uint8_t>("refinement/done", map.not_refined.empty() ? 1 : 0);
@@ -358,6 +360,13 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
     result.Put("observation_doubts", Array::Texts(doubts));
   if (!refined.paths.empty())
     result.PutAll("fit/", refined.fit.ToBlob(refined.landmarks, settings.map.types));
+  if (map.shift) {
+    result.PutScalar<double>("fit/shift_m", map.shift->by_m);
+    result.PutScalar<double>("fit/shift_from_s", map.shift->from_s);
+    result.PutScalar<double>("fit/shift_until_s", map.shift->until_s);
+    result.PutScalar<double>("fit/shift_lead_nats", map.shift->lead_nats);
+    result.PutScalar<std::uint8_t>("fit/shift_taken", map.shift->taken ? 1 : 0);
+  }
   if (!map.moved.empty()) result.PutAll("moved/", BlobOf(map.moved));
   if (inputs.Has("search")) result.PutAll("search/", *inputs.Get("search"));
   Step step;

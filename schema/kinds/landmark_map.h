@@ -137,12 +137,14 @@ struct LandmarkMap {
   struct Fit {
     Texts kind;
     Column<double> stated, found, longest_run_from_s, worst_time_s, worst_sigmas, worst_odometry_s,
-        odometry_break_lead_nats, fewest_common_s, one_sided_s, most_one_sided_s;
+        odometry_break_lead_nats, fewest_common_s, one_sided_s, most_one_sided_s, shift_m, shift_from_s,
+        shift_until_s, shift_lead_nats;
     Column<std::int64_t> observations, misfits, longest_run, odometry_misfits, fewest_common, one_sided,
         two_sided, most_one_sided;
     Column<std::int32_t> worst_robot;
     Column<std::int32_t> misfit_landmark;
     Column<std::int64_t> landmark_misfits, landmark_observations;
+    Column<std::uint8_t> shift_taken;
     static void Fields(const auto& field) {
       field({"kind", "F"}, &Fit::kind);
       field({"stated", "F", NotNegative()}, &Fit::stated);
@@ -167,6 +169,11 @@ struct LandmarkMap {
       field({"misfit_landmark", "", IndexInto("landmarks").OrNone()}, &Fit::misfit_landmark);
       field({"landmark_misfits", "", From(0)}, &Fit::landmark_misfits);
       field({"landmark_observations", "", From(0)}, &Fit::landmark_observations);
+      field({"shift_m", "", NotNegative()}, &Fit::shift_m);
+      field({"shift_from_s", "", Finite()}, &Fit::shift_from_s);
+      field({"shift_until_s", "", Finite()}, &Fit::shift_until_s);
+      field({"shift_lead_nats", "", NotNegative()}, &Fit::shift_lead_nats);
+      field({"shift_taken", "", YesNo()}, &Fit::shift_taken);
     }
   };
 

@@ -60,9 +60,15 @@ Outcome Run(std::span<const std::uint8_t> bytes) {
   texts[(choice & 63) % texts.size()] = text;
   const MemoryFile odometry(texts[0]), observations(texts[1]), poses(texts[2]), landmarks(texts[3]),
       associations(texts[4]);
-  datasets::CsvImportOptions options{
-      odometry.path(),     observations.path(),      poses.path(), landmarks.path(),
-      associations.path(), (choice & kSkipBad) != 0, {},           {{0.5, -0.1, 2}, 0}};
+  datasets::CsvImportOptions options{odometry.path(),
+                                     observations.path(),
+                                     poses.path(),
+                                     landmarks.path(),
+                                     associations.path(),
+                                     (choice & kSkipBad) != 0,
+                                     {},
+                                     {{"", {0.5, -0.1, 2}}},
+                                     {}};
   Blob log;
   try {
     datasets::ImportCsv(options, &log);

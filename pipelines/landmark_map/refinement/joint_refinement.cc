@@ -330,7 +330,9 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
                           landmarks,
                           {},
                           FitOf(built.problem, problem, end.point),
-                          FindSensorShifts(problem, end.point, built.odometry)};
+                          FindSensorShifts(problem, end.point, built.odometry),
+                          problem,
+                          end.point};
   refined.fit.break_lead_nats = break_lead_nats;
   std::vector<bool> seen(landmarks.size(), false);
   for (const Sighting& sighting : problem.sightings) seen[static_cast<std::size_t>(sighting.landmark)] = true;

@@ -21,6 +21,9 @@ struct JointRefinement {
   std::vector<RefinedPath> paths;  // of each robot
   ModelFit fit;
   std::vector<SensorShift> sensors;  // of each robot
+  // What it is the end of, with the widths that were found.
+  LeastSquaresProblem problem = {};
+  LeastSquaresPoint point = {};
 };
 
 // Unknown are the poses at all observations of landmarks, the landmarks, and each robot's drift and scales
