@@ -261,9 +261,10 @@ Verdict::Doubt OfPattern(const kinds::LandmarkMap& map, Verdict* verdict) {
                         "behind",
                         seen, lead_nats)};
   return {Confidence::kLow,
-          fmt::format("landmarks stand in a regular pattern: a map in which {} is only {:.1f} nats behind; a "
-                      "name for one or two landmarks would tell, or a landmark that breaks the pattern",
-                      seen, lead_nats)};
+          fmt::format(
+              "landmarks stand in a regular pattern: a map in which {} is {:.1f} nats {}; a name for one or "
+              "two landmarks would tell, or a landmark that breaks the pattern",
+              seen, std::abs(lead_nats), lead_nats < 0 ? "ahead" : "behind")};
 }
 
 // Of robots that are tied: a sensor that errs by a factor makes landmarks of its own, beside those of the

@@ -209,10 +209,11 @@ TEST(LandmarkMapVerdict, AMapThatFitsAsWellWhenItIsShiftedAlongAPatternIsLow) {
   EXPECT_EQ(low.trust, Confidence::kLow);
   EXPECT_NE(
       low.why.find("landmarks stand in a regular pattern: a map in which what was seen from 3.0 to 81.0 "
-                   "s is 3.0 m further on is only 3.5 nats behind; a name for one or two landmarks"),
+                   "s is 3.0 m further on is 3.5 nats behind; a name for one or two landmarks"),
       std::string::npos)
       << low.why;
   EXPECT_EQ(shifted(3.5, true).trust, Confidence::kLow);
+  EXPECT_NE(shifted(-1.5, false).why.find("is 1.5 nats ahead"), std::string::npos);
   EXPECT_EQ(shifted(10.5, false).trust, Confidence::kHigh);
   EXPECT_EQ(shifted(10.5, true).trust, Confidence::kFair);
   EXPECT_NE(shifted(10.5, true).why.find("EM's own map"), std::string::npos);

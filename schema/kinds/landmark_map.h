@@ -172,7 +172,7 @@ struct LandmarkMap {
       field({"shift_m", "", NotNegative()}, &Fit::shift_m);
       field({"shift_from_s", "", Finite()}, &Fit::shift_from_s);
       field({"shift_until_s", "", Finite()}, &Fit::shift_until_s);
-      field({"shift_lead_nats", "", NotNegative()}, &Fit::shift_lead_nats);
+      field({"shift_lead_nats", "", Finite()}, &Fit::shift_lead_nats);
       field({"shift_taken", "", YesNo()}, &Fit::shift_taken);
     }
   };

@@ -234,6 +234,7 @@ std::optional<WeighedShift> WeighShifts(const kinds::Log& log, const std::vector
                                         const Settings& settings, std::vector<Landmark>* landmarks,
                                         std::vector<RowAssociations>* rows, JointRefinement* refined) {
   constexpr int kRounds = 3;
+  constexpr double kTaken_nats = 3;  // by less it is as likely EM's that is right
   const Odometry odometry = Integrate(log.robot[0].odometry, log.robots[0]);
   ShiftedMap map{paths, *landmarks, *rows, *refined};
   std::optional<WeighedShift> weighed;
@@ -252,10 +253,11 @@ std::optional<WeighedShift> WeighShifts(const kinds::Log& log, const std::vector
       if (!(lead_nats < least_nats)) continue;
       least_nats = lead_nats;
       best = std::move(other);
-      weighed = {shift.from_s, shift.until_s, std::hypot(shift.by.x_m, shift.by.y_m), std::abs(lead_nats),
-                 round > 0 || lead_nats < 0};
+      weighed = {shift.from_s, shift.until_s, std::hypot(shift.by.x_m, shift.by.y_m), lead_nats, round > 0};
     }
-    if (!(least_nats < 0)) break;
+    if (!(least_nats < -kTaken_nats)) break;
+    weighed->lead_nats = -least_nats;
+    weighed->taken = true;
     map = std::move(*best);
     *landmarks = map.landmarks;
     *rows = map.rows;

@@ -31,13 +31,13 @@ std::vector<Shift> FindShifts(const std::vector<PlacedRow>& rows, const std::vec
 // The best other map of the kind, by how far it is behind.
 struct WeighedShift {
   double from_s = 0, until_s = 0, by_m = 0;
-  double lead_nats = 0;
-  bool taken = false;  // the map is one that was shifted
+  double lead_nats = 0;  // below 0: that one is ahead
+  bool taken = false;    // the map is one that was shifted
 };
 
-// Of one robot's map: all shifts are fitted, and one that is likelier takes the map's place. By the least
-// squares, each under the widths that it finds, by landmarks in common, and by rows of no landmark. None
-// where there is no such shift.
+// Of one robot's map: all shifts are fitted, and one that is three nats ahead takes the map's place. By the
+// least squares, each under the widths that it finds, by landmarks in common, and by rows of no landmark.
+// None where there is no such shift.
 std::optional<WeighedShift> WeighShifts(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
                                         const Settings& settings, std::vector<Landmark>* landmarks,
                                         std::vector<RowAssociations>* rows, JointRefinement* refined);
