@@ -18,10 +18,10 @@ namespace cairn::landmark_map {
 namespace {
 
 // Of a sensor: late_s, x_m, y_m, and the heading of its mount.
-using Shift = Eigen::Vector4d;
-const Shift kSmall{0.1, 1e-3, 1e-3, 1e-3}, kMost{10.0, 2.0, 2.0, 0.5};
+using SensorUnknowns = Eigen::Vector4d;
+const SensorUnknowns kSmall{0.1, 1e-3, 1e-3, 1e-3}, kMost{10.0, 2.0, 2.0, 0.5};
 
-constexpr int kSteps = 20;
+constexpr int kStepsOfShift = 20;
 constexpr double kLeast_nats = 10.0, kLeastEach_nats = 0.02;  // to gain, in all and an observation
 constexpr std::size_t kMostSightings = 2000;                  // that many tell it as well as more
 
@@ -42,10 +42,10 @@ Odometry Later(Odometry odometry, double late_s) {
 }
 
 // One robot's observations, among their landmarks, at other times than they say, or from elsewhere on it.
-class Shifted {
+class RobotAlone {
  public:
-  Shifted(const LeastSquaresProblem& problem, const LeastSquaresPoint& point, const Odometry& odometry,
-          std::size_t robot)
+  RobotAlone(const LeastSquaresProblem& problem, const LeastSquaresPoint& point, const Odometry& odometry,
+             std::size_t robot)
       : odometry_(odometry) {
     LeastSquaresProblem alone = problem;
     alone.robots = {problem.robots[robot]};
@@ -70,7 +70,7 @@ class Shifted {
   const LeastSquaresPoint& point() const { return point_; }
   const std::vector<Sighting>& sightings() const { return problem_.sightings; }
 
-  LeastSquaresProblem Under(const Shift& shift) const {
+  LeastSquaresProblem Under(const SensorUnknowns& shift) const {
     LeastSquaresProblem shifted = problem_;
     for (Sighting& seen : shifted.sightings) seen = Mounted(seen, shift);
     if (shift[0] == 0.0) return shifted;
@@ -80,7 +80,7 @@ class Shifted {
       track.controls[k] = ControlsBetween(later, track.time_s[k], track.time_s[k + 1]);
     return shifted;
   }
-  static Sighting Mounted(Sighting seen, const Shift& shift) {
+  static Sighting Mounted(Sighting seen, const SensorUnknowns& shift) {
     if (seen.contact()) return seen;
     const Pose place = Compose({shift[1], shift[2], shift[3]}, {seen.x_m, seen.y_m, 0});
     seen.x_m = place.x_m;
@@ -98,7 +98,7 @@ class Shifted {
 // normal equations about a point the shift's own part is left (its Schur complement).
 class ShiftEquations {
  public:
-  ShiftEquations(const Shifted& shifted, const Shift& at, const LeastSquaresPoint& point)
+  ShiftEquations(const RobotAlone& shifted, const SensorUnknowns& at, const LeastSquaresPoint& point)
       : problem_(shifted.Under(at)), point_(point), equations_(problem_, point) {
     constexpr double kDamping = 1e-6;
     equations_.Evaluate(point, true);
@@ -117,8 +117,8 @@ class ShiftEquations {
   }
 
   // Of the `count` parts of the shift from `first` on; the others stay.
-  Shift Step(int first, int count) const {
-    Shift step = Shift::Zero();
+  SensorUnknowns Step(int first, int count) const {
+    SensorUnknowns step = SensorUnknowns::Zero();
     if (!solved_) return step;
     const Eigen::LLT<Eigen::MatrixXd> solver(matrix_.block(first, first, count, count));
     if (solver.info() == Eigen::Success)
@@ -135,13 +135,13 @@ class ShiftEquations {
     return solved_ && of.eigenvalues()[0] > 0.0 && std::isfinite(most) ? std::sqrt(most) : kMost[1];
   }
   // Where all else then is.
-  LeastSquaresPoint Moved(const Shift& step) const {
+  LeastSquaresPoint Moved(const SensorUnknowns& step) const {
     return equations_.layout().Moved(point_, -rest_ - by_shift_ * step);
   }
 
  private:
-  void AddEdges(const Shifted& shifted, const Shift& at) {
-    const Shift late = Shift::Unit(0) * kSmall[0];
+  void AddEdges(const RobotAlone& shifted, const SensorUnknowns& at) {
+    const SensorUnknowns late = SensorUnknowns::Unit(0) * kSmall[0];
     const LeastSquaresProblem up = shifted.Under(at + late), down = shifted.Under(at - late);
     const JointEquations later(up, point_), sooner(down, point_);
     for (std::size_t k = 0; k < problem_.robots[0].controls.size(); ++k) {
@@ -151,14 +151,14 @@ class ShiftEquations {
       Add<3, 9>(term.by, term.at, by, term.error, equations_.Weight(0, k));
     }
   }
-  void AddSighting(const Sighting& seen, const Shift& at) {
-    const auto term_under = [&](const Shift& shift) {
-      return equations_.Seen(point_, Shifted::Mounted(seen, shift));
+  void AddSighting(const Sighting& seen, const SensorUnknowns& at) {
+    const auto term_under = [&](const SensorUnknowns& shift) {
+      return equations_.Seen(point_, RobotAlone::Mounted(seen, shift));
     };
     const JointEquations::SightingTerm term = term_under(at);
     Eigen::Matrix<double, 2, 4> by = Eigen::Matrix<double, 2, 4>::Zero();
     for (int i = 1; i < 4; ++i) {
-      const Shift small = Shift::Unit(i) * kSmall[i];
+      const SensorUnknowns small = SensorUnknowns::Unit(i) * kSmall[i];
       by.col(i) =
           (term_under(at + small).residual.error - term_under(at - small).residual.error) / (2.0 * kSmall[i]);
     }
@@ -183,28 +183,28 @@ class ShiftEquations {
   bool solved_ = false;
   Eigen::MatrixX4d cross_, by_shift_;
   Eigen::VectorXd rest_;
-  Shift gradient_ = Shift::Zero();
+  SensorUnknowns gradient_ = SensorUnknowns::Zero();
   Eigen::Matrix4d matrix_ = Eigen::Matrix4d::Zero();
 };
 
 struct LeastShift {
-  Shift at = Shift::Zero();
+  SensorUnknowns at = SensorUnknowns::Zero();
   LeastSquaresEnd end;
 };
 
 // Where the cost is least, by such steps as long as it falls, each twice as far while that explains more: the
 // noise of odometry makes the slope along lateness uneven.
-LeastShift FindLeastShift(const Shifted& shifted, LeastShift least, int first, int count) {
+LeastShift FindLeastShift(const RobotAlone& shifted, LeastShift least, int first, int count) {
   constexpr int kRounds = 6;
   const double none = least.end.cost;
   for (int round = 0; round < kRounds; ++round) {
     const LeastShift from = least;
     const ShiftEquations equations(shifted, from.at, from.end.point);
-    for (Shift step = equations.Step(first, count);; step *= 2.0) {
-      const Shift at = (from.at + step).cwiseMin(kMost).cwiseMax(-kMost);
+    for (SensorUnknowns step = equations.Step(first, count);; step *= 2.0) {
+      const SensorUnknowns at = (from.at + step).cwiseMin(kMost).cwiseMax(-kMost);
       if (at == least.at) break;
       LeastSquaresEnd there =
-          Descend(shifted.Under(at), equations.Moved(at - from.at), kSteps, kNearTheLeast);
+          Descend(shifted.Under(at), equations.Moved(at - from.at), kStepsOfShift, kNearTheLeast);
       if (!(there.cost < least.end.cost)) break;
       least = {at, std::move(there)};
     }
@@ -214,21 +214,21 @@ LeastShift FindLeastShift(const Shifted& shifted, LeastShift least, int first, i
 }
 
 // A robot that hardly turns sees the same from anywhere: then a place explains what something else is about.
-bool TellsThePlace(const Shifted& shifted, const LeastShift& mount) {
+bool TellsThePlace(const RobotAlone& shifted, const LeastShift& mount) {
   constexpr double kKnown_m = 0.1;
   const bool is_at_the_end = (mount.at.cwiseAbs().array() >= kMost.array()).any();
   return !is_at_the_end && ShiftEquations(shifted, mount.at, mount.end.point).PlaceSd_m() <= kKnown_m;
 }
 
-SensorShift ShiftOf(const Shifted& shifted) {
+SensorShift ShiftOf(const RobotAlone& shifted) {
   constexpr double kWorthALook = 0.3;  // of what is to gain
   const double enough =
       std::max(kLeast_nats, kLeastEach_nats * static_cast<double>(shifted.sightings().size()));
-  const ShiftEquations equations(shifted, Shift::Zero(), shifted.point());
+  const ShiftEquations equations(shifted, SensorUnknowns::Zero(), shifted.point());
   const double late_promises = equations.Gain(0, 1), mount_promises = equations.Gain(1, 3);
   if (std::max(late_promises, mount_promises) <= kWorthALook * enough) return {};
-  const LeastShift as_is{Shift::Zero(),
-                         Descend(shifted.Under(Shift::Zero()), shifted.point(), kSteps, kNearTheLeast)};
+  const LeastShift as_is{SensorUnknowns::Zero(), Descend(shifted.Under(SensorUnknowns::Zero()),
+                                                         shifted.point(), kStepsOfShift, kNearTheLeast)};
   const auto look = [&](int first, int count, double promises, double least) {
     return promises > kWorthALook * std::max(enough, least) ? FindLeastShift(shifted, as_is, first, count)
                                                             : as_is;
@@ -251,7 +251,7 @@ std::vector<SensorShift> FindSensorShifts(const LeastSquaresProblem& problem, co
                                           std::span<const Odometry> odometry) {
   std::vector<SensorShift> shifts(odometry.size());
   for (std::size_t r = 0; r < odometry.size(); ++r) {
-    const Shifted shifted(problem, point, odometry[r], r);
+    const RobotAlone shifted(problem, point, odometry[r], r);
     if (!shifted.sightings().empty()) shifts[r] = ShiftOf(shifted);
   }
   return shifts;
