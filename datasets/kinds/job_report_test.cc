@@ -160,7 +160,7 @@ TEST_F(ReportOfALoop, OneCanLookAroundInItsMap) {
 TEST_F(ReportOfALoop, HasEachPictureOfCellsOnce) {
   const std::string html = PageOf(result_, &log_, &evaluation_);
   EXPECT_EQ(CountIn(html, "<use href=\"#i"), 2U);  // the cells and their key, on the drawing for a phone
-  EXPECT_EQ(CountIn(html, "data:image/png"), 2U);
+  EXPECT_EQ(CountIn(html, "href=\"data:image/png"), 2U);
 }
 
 TEST_F(ReportOfALoop, StandsBesideAnother) {

@@ -209,7 +209,7 @@ class Round {
   // Of long trainings every so many steps.
   bool IsToBeShown() const {
     constexpr std::int64_t kPart = 20;
-    return !on_trial_ && t_.phase == planner_.FirstPhase(t_.learning.end) &&
+    return !on_trial_ && data_.training.size() > 0 && t_.phase == planner_.FirstPhase(t_.learning.end) &&
            t_.steps % (1 + t_.steps / kPart) == 0;
   }
 
@@ -218,6 +218,8 @@ class Round {
   void ShowSoFar(Step* step) const {
     constexpr double kMostProducts = 1e7, kMostSamples = 500;
     const SampleSet& set = data_.training;
+    RequireSize("run", set.run.size(), static_cast<std::size_t>(set.size()));
+    RequireSize("along_m", set.positions.along_m.size(), set.run.size());
     Parameters<double> all(Shape());
     all.values = t_.weights;
     const Parameters<double> used = SomeNetworks(all, 0, t_.learning.end);

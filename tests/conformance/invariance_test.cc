@@ -66,7 +66,11 @@ const std::map<std::string, Promise>& Promises() {
         .cell_m = 0.05,
         .angles_rad = kAnyBeam,
         .options = {{"cell_m", "0.05"}}}},
-      {"forward_map_one_tile", {.follows = Follows::kByQuarters, .cell_m = 0.1, .angles_rad = kAnyBeam}},
+      {"forward_map_one_tile",
+       {.follows = Follows::kByQuarters,
+        .cell_m = 0.1,
+        .angles_rad = kAnyBeam,
+        .but = {"history/changed_"}}},  // by the numbers of cells
       {"local_map",
        {.follows = Follows::kOwnFrame, .tolerance = 0.01, .angles_rad = kAnyAngle, .but = {"snapshots/"}}},
       {"image_features", {.angles_rad = kAnyAngle}},
