@@ -260,6 +260,7 @@ Picture MapPicture(const Scene& scene, double width, const MapView& view) {
   const Panel panel{left, kMapTop, inner, height};
   DrawMap(box, panel, true, &picture, [&](MapPainter painter) {
     if (view.below) painter.Layer("cells", [&] { painter.Cells(*view.below); });
+    for (const auto& [name, cells] : view.instead) painter.Layer(name, [&] { painter.Cells(cells); }, false);
     painter.Layer("true walls", [&] { painter.Walls(scene); });
     painter.Layer("edges", [&] { painter.Edges(scene); });
     painter.Layer("true path", [&] { painter.Paths(scene.truth_paths, "truth-path"); });

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "datasets/report/drawing/picture.h"
@@ -19,7 +20,8 @@ struct MapCells {
 
 struct MapView {
   std::optional<MapCells> below = {};
-  bool round_cells = false;  // the map ends where they do
+  std::vector<std::pair<std::string, MapCells>> instead = {};  // by their names, over those, for who asks
+  bool round_cells = false;                                    // the map ends where they do
   std::string label = "Map with the robots' paths";
   double highest = 0.88;  // the panel's height as a share of its width, at most
 };

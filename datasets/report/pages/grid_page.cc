@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "datasets/evaluate/matching/similarity.h"
@@ -19,15 +20,19 @@ namespace {
 constexpr std::int64_t kMostCellsOfPage = 3000;     // along an edge: more are drawn as blocks
 constexpr std::int64_t kMostCellsOfEarlier = 1000;  // of maps that came before
 
-// A layer with what lies on it.
-Picture LayerPicture(const CellPicture& picture, const std::vector<Raster>& earlier, const std::string& label,
-                     const Scene& scene, double width) {
+MapCells CellsOf(const CellPicture& picture, const std::vector<Raster>& earlier = {}) {
   const CellPicture blocks = InBlocks(picture, kMostCellsOfPage);
-  return MapPicture(scene, width,
-                    {.below = MapCells{CellsRaster(blocks), BoxOf(blocks.box), earlier},
-                     .round_cells = true,
-                     .label = label,
-                     .highest = 0.9});
+  return {CellsRaster(blocks), BoxOf(blocks.box), earlier};
+}
+
+using NamedCells = std::vector<std::pair<std::string, MapCells>>;
+
+// A layer with what lies on it.
+Picture LayerPicture(const MapCells& cells, const NamedCells& instead, const std::string& label,
+                     const Scene& scene, double width) {
+  return MapPicture(
+      scene, width,
+      {.below = cells, .instead = instead, .round_cells = true, .label = label, .highest = 0.9});
 }
 
 std::vector<Raster> EarlierRasters(const Blob& map) {
@@ -39,12 +44,23 @@ std::vector<Raster> EarlierRasters(const Blob& map) {
 
 std::string LayerHtml(const Blob& map, MapLayer layer, const std::string& label, const Scene& scene,
                       const std::vector<LegendEntry>& legend, const std::string& caption,
-                      const std::vector<Raster>& earlier = {}) {
+                      const std::vector<Raster>& earlier = {}, const NamedCells& instead = {}) {
   const auto picture = PictureOf(map, layer);
   if (!picture) return {};
+  const MapCells cells = CellsOf(*picture, earlier);
   return LegendHtml(legend) +
-         DrawingHtml([&](double width) { return LayerPicture(*picture, earlier, label, scene, width); },
+         DrawingHtml([&](double width) { return LayerPicture(cells, instead, label, scene, width); },
                      caption);
+}
+
+// The pictures that have sections of their own, to lay over the map; a page has each picture's pixels once.
+NamedCells OtherLayers(const Blob& map) {
+  NamedCells layers;
+  for (const auto& [name, layer] : {std::pair{"most likely map", MapLayer::kMostLikely},
+                                    std::pair{"difference of log-likelihoods", MapLayer::kDifference},
+                                    std::pair{"readings not explained", MapLayer::kDynamic}})
+    if (const auto picture = PictureOf(map, layer)) layers.emplace_back(name, CellsOf(*picture));
+  return layers;
 }
 
 std::vector<LegendEntry> DifferenceLegend() {
@@ -199,9 +215,11 @@ std::string GridMapHtml(const Blob& map, const Blob* log, const GridEvaluation* 
   std::vector<LegendEntry> legend = ProbabilityLegend();
   AddPaths(scene, &legend);
   std::string html = Lead(map) + Tiles(map, evaluation);
-  html += SectionHtml("Map",
-                      LayerHtml(map, MapLayer::kProbability, "Occupancy probability", scene, legend,
-                                "The darker, the likelier occupied; the lines are where scans were taken."));
+  html += SectionHtml(
+      "Map", LayerHtml(map, MapLayer::kProbability, "Occupancy probability", scene, legend,
+                       "The darker, the likelier occupied; the lines are where scans were taken. Other "
+                       "layers can be laid over it.",
+                       {}, OtherLayers(map)));
   html += SectionHtml(
       "Most likely map",
       LayerHtml(

@@ -52,6 +52,14 @@ TEST(CellPicture, IsBlackWhereOccupiedWhiteWhereFreeGreyWhereUnknown) {
   EXPECT_NEAR(probability.at<cv::Vec3b>(1, 0)[0], 0.8 * 255 + 0.2 * 220, 1);  // p = 0.1
 }
 
+TEST(GridPage, OtherPicturesOfItsCellsCanBeLaidOverTheMap) {
+  const std::string html = GridPageOf(WithAllLayers(), nullptr, nullptr, "a map");
+  const std::string map = html.substr(html.find("data-layer=\"cells\""));
+  for (const char* layer : {"most likely map", "difference of log-likelihoods"})
+    EXPECT_NE(map.find(std::string("class=\"off\" data-layer=\"") + layer + "\""), std::string::npos)
+        << layer;
+}
+
 TEST(CellPicture, ShowsForWhatTheDataSpeak) {
   const cv::Mat image = Decoded(CellsRaster(*PictureOf(WithAllLayers(), MapLayer::kDifference)).Png());
   const auto& occupied = image.at<cv::Vec3b>(0, 0);  // blue, green, red
@@ -111,7 +119,7 @@ TEST(GridPage, ShowsAllLayersTheHistoryAndTheParameters) {
   std::size_t pictures = 0;
   for (std::size_t at = page.find("<image"); at != std::string::npos; at = page.find("<image", at + 1))
     ++pictures;
-  EXPECT_EQ(pictures, 3U) << "a layer each, for a wide page and a narrow one";
+  EXPECT_EQ(pictures, 5U) << "a layer each, for a wide page and a narrow one, and two of them over the first";
 }
 
 TEST(GridPage, OfAPlainMapLeavesOutWhatItLacks) {

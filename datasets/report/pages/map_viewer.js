@@ -531,8 +531,9 @@ class MapViewer {
 
   // Of a picture of cells: what a cell's colour says.
   cellAt(at) {
-    const cells = this.layers.find((layer) => layer.shown && layer.shapes[0].image);
-    const shape = cells && this.shapesOf(cells)[0], label = this.svg.getAttribute("aria-label");
+    const cells = this.layers.findLast((layer) => layer.shown && layer.shapes[0].image);
+    const shape = cells && this.shapesOf(cells)[0];
+    const label = cells?.name === "cells" ? this.svg.getAttribute("aria-label") : cells?.name;
     if (!shape) return "";
     if (!shape.pixels) {
       if (!shape.image.complete) return "";
