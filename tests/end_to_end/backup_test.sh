@@ -32,6 +32,9 @@ late=$id
 round() { number round status.json; }
 stands() { cairn status "$late" --json >status.json && [ "$(round)" -ge 1 ]; }
 until_true 60 stands
+# A round is saved while the next one is computed; the first two checkpoints are of none.
+saved() { [ "$(find "home/store/checkpoints/$late" -name '*.h5' -printf '%f\n' | sort -n | tail -n 1 | cut -d. -f1)" -ge 4 ]; }
+until_true 60 saved
 kill -STOP "$worker" # so that it is not over before it was copied, however slow this machine is
 exits 0 cairn backup copy
 says '^2 jobs in copy'
