@@ -170,7 +170,9 @@ Verdict::Doubt OfJumps(const kinds::LandmarkMap& map) {
               ? fmt::format(" It may have been another time, which makes another map, {:.1f} nats behind",
                             lead_nats)
               : "",
-          nameless ? " Without names a slip makes landmarks that are not there" : "")};
+          nameless ? (lead_nats < kTied_nats ? ". " : " ") +
+                         std::string("Without names a slip makes landmarks that are not there")
+                   : "")};
 }
 
 // A slip of odometry between two halves that share no landmark moves one of them, and nothing else says so.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -353,6 +354,31 @@ TEST(LandmarkMapVerdict, WhatOdometryLacksIsNeverHighAndLowWhereNothingElseTells
         std::string::npos)
         << loose.why;
   }
+}
+
+// A motion was left free; another one, in its place, would make another map.
+TEST(LandmarkMapVerdict, WhereItIsNotSureWhenOdometryBrokeTheMapIsLow) {
+  const auto of = [](std::optional<double> lead_nats, std::int32_t identity) {
+    Blob map = FittedMap(200, 0, 0, 0);
+    map.PutVector<std::int32_t>("map/landmark_identity", {identity});
+    map.PutScalar<std::int64_t>("fit/odometry_misfits", 1);
+    map.PutScalar<double>("fit/worst_odometry_s", 164);
+    if (lead_nats) map.PutScalar("fit/odometry_break_lead_nats", *lead_nats);
+    return LandmarkMapVerdict(map);
+  };
+  EXPECT_EQ(of(std::nullopt, 0).trust, Confidence::kFair);
+  EXPECT_EQ(of(10.0, 0).trust, Confidence::kFair);
+  const Verdict unsure = of(2.3, 0);
+  EXPECT_EQ(unsure.trust, Confidence::kLow);
+  EXPECT_NE(unsure.why.find(
+                "odometry does not fit once, worst at 164.0 s: did the robot slip, was it carried? It may "
+                "have been another time, which makes another map, 2.3 nats behind"),
+            std::string::npos)
+      << unsure.why;
+  const Verdict nameless = of(2.3, -1);
+  EXPECT_EQ(nameless.trust, Confidence::kLow);
+  EXPECT_NE(nameless.why.find("2.3 nats behind. Without names a slip makes"), std::string::npos)
+      << nameless.why;
 }
 
 // As many robots as leads; below 0: another place, or none, is likelier.
