@@ -1,3 +1,4 @@
+// Over 500 lines, for it is a case for each doubt that one function raises, of results that one maker makes.
 #include "datasets/common/landmark_map_verdict.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Over 500 lines, for it is a case for each way in which a row may be wrong, of one fixture.
 #include "datasets/import/csv.h"
 
 #include <cmath>

@@ -20,7 +20,7 @@ struct SensorShift {
 
 // Of each robot, among the landmarks that it sees, looked for around `point`, where the least squares ended,
 // to no more than ten seconds, half a radian and two metres, whichever explains more; of a large log in its
-// first part.
+// first part. A place counts only where the observations tell it to a tenth of a metre.
 // `odometry`: of each robot, of which the problem's tracks are.
 std::vector<SensorShift> FindSensorShifts(const LeastSquaresProblem& problem, const LeastSquaresPoint& point,
                                           std::span<const Odometry> odometry);
