@@ -298,6 +298,12 @@ class PackageTest(unittest.TestCase):
                 self.assertEqual((job["state"], job["priority"]), ("queued", 2))
                 self.assertEqual(cairn.command("status", job["id"])["id"], job["id"])
                 cairn.command("list")
+                for name in ("monday", "tuesday"):
+                    shutil.copy("log.h5", f"fleet-{name}.h5")
+                jobs = cairn.submit_each("landmark_map", "fleet-*.h5", options={"iterations": 2}, priority=-1)
+                self.assertEqual([(job["name"], job["priority"]) for job in jobs],
+                                 [("landmark_map-fleet-monday", -1), ("landmark_map-fleet-tuesday", -1)])
+                self.refused("no file matches", cairn.submit_each, "landmark_map", "none-*.h5")
             finally:
                 coordinator.terminate()
 

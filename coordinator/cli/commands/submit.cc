@@ -83,19 +83,19 @@ void CheckFleet(const std::vector<ParsedJob>& jobs, bool units_are_right) {
   throw InputError(text);
 }
 
-void SubmitOne(const SubmitArguments& options, coordinator::Client& client, ParsedJob parsed) {
+wire::JobInfo SubmitOne(const SubmitArguments& options, coordinator::Client& client, ParsedJob parsed) {
   if (options.priority) parsed.job.set_priority(*options.priority);
   const std::map<std::string, coordinator::Input> inputs =
       LookAtJobInputs(parsed, options.arguments.units_are_right);
   bool known = false;
-  const wire::JobInfo info = Take(client.Submit(parsed.job, inputs, &known));
-  if (options.json)
-    std::fputs(JobJson(info).c_str(), stdout);
-  else if (known)
+  wire::JobInfo info = Take(client.Submit(parsed.job, inputs, &known));
+  if (options.json) return info;
+  if (known)
     std::printf("already there: %s, %s; cairn watch %s\n", info.id().c_str(), info.state().c_str(),
                 info.id().c_str());
   else
     std::printf("submitted %s; cairn watch %s\n", info.id().c_str(), info.id().c_str());
+  return info;
 }
 
 // All is read and checked, as `cairn run --dry-run` does, before the first job is handed in. Where it is cut
@@ -111,7 +111,10 @@ int Submit(const SubmitArguments& options, const Invocation&) {
     CheckFleet(jobs, options.arguments.units_are_right);
   }
   coordinator::Client client = ConnectClient(options.client);
-  for (ParsedJob& job : jobs) SubmitOne(options, client, std::move(job));
+  std::vector<wire::JobInfo> submitted;
+  for (ParsedJob& job : jobs) submitted.push_back(SubmitOne(options, client, std::move(job)));
+  if (options.json)
+    std::fputs((options.each.empty() ? JobJson(submitted.front()) : JobsJson(submitted)).c_str(), stdout);
   return kExitDone;
 }
 

@@ -151,6 +151,12 @@ std::string JobsJson(const coordinator::JobList& list) {
   return Dump(json);
 }
 
+std::string JobsJson(const std::vector<wire::JobInfo>& jobs) {
+  auto json = nlohmann::ordered_json::array();
+  for (const wire::JobInfo& job : jobs) json.push_back(ToJson(job));
+  return Dump(json);
+}
+
 std::string WaitText(const wire::JobInfo& job, unsigned workers) {
   if ((job.state() != "queued" && job.state() != "running") || workers > 0) return "";
   return "waiting: no worker is connected (start 'cairn worker')";

@@ -21,6 +21,7 @@ std::string JobText(const wire::JobInfo& job);
 // With what the store holds, where that is known.
 std::string JobJson(const wire::JobInfo& job, const coordinator::StoreFacts* store = nullptr);
 std::string JobsJson(const coordinator::JobList& list);
+std::string JobsJson(const std::vector<wire::JobInfo>& jobs);  // an array
 
 // "store    1.2 GB of 10.0 GB allowed"
 std::string StoreText(const coordinator::StoreFacts& store);

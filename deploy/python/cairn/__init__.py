@@ -20,7 +20,7 @@ except ImportError as _error:
 
 from .errors import CairnError, InputError
 from .files import File, Poses, read
-from .program import Run, command, evaluate, run, submit
+from .program import Run, command, evaluate, run, submit, submit_each
 
 __all__ = [
     "CairnError",
@@ -33,4 +33,5 @@ __all__ = [
     "read",
     "run",
     "submit",
+    "submit_each",
 ]

@@ -58,6 +58,10 @@ def _option(name: str, value: Any) -> list[str]:
     return [name] if value is True else [name, _text(value)]
 
 
+def _options(named: Mapping[str, Any]) -> list[str]:
+    return [word for name, value in named.items() for word in _option(name, value)]
+
+
 def _text(value: Any) -> str:
     """As the command line takes it: true, 0.25, 0.1,0.2, a path."""
     if isinstance(value, bool):
@@ -134,22 +138,37 @@ def submit(
     options: Mapping[str, Any] | None = None,
     inputs: Mapping[str, PathLike] | None = None,
     seed: int | None = None,
-    priority: int | None = None,
-    connect: str | None = None,
-    key: PathLike | None = None,
-    server_key: PathLike | None = None,
     units_are_right: bool = False,
+    **more: Any,
 ) -> dict[str, Any]:
-    """Hands a job and its inputs to a coordinator, `connect` or the usual one: `cairn submit`.
+    """Hands a job and its inputs to a coordinator: `cairn submit`.
 
-    The dict is what `cairn status JOB --json` says, its `id` the JOB of other commands. Who submits the same again is told of
-    the job that is there.
+    more: its further options, priority=2, connect="tcp://hub:5570", key=, server_key=, name=. The dict is what
+    `cairn status JOB --json` says, its `id` the JOB of other commands. Who submits the same again is told of the job that is
+    there.
     """
     words = _job(what, file, options, inputs, seed, units_are_right)
-    for name, value in {"priority": priority, "connect": connect, "key": key, "server_key": server_key}.items():
-        words += _option(name, value)
-    job: dict[str, Any] = command("submit", *words)
+    job: dict[str, Any] = command("submit", *words, *_options(more))
     return job
+
+
+def submit_each(
+    what: PathLike,
+    files: PathLike,
+    *,
+    options: Mapping[str, Any] | None = None,
+    inputs: Mapping[str, PathLike] | None = None,
+    seed: int | None = None,
+    units_are_right: bool = False,
+    **more: Any,
+) -> list[dict[str, Any]]:
+    """Hands a job for each file that matches a pattern ("logs/*.h5") to a coordinator: `cairn submit --each`.
+
+    All are looked at before the first is handed in. As submit() otherwise, a dict for each.
+    """
+    words = _job(what, None, options, inputs, seed, units_are_right)
+    jobs: list[dict[str, Any]] = command("submit", *words, "--each", files, *_options(more))
+    return jobs
 
 
 def evaluate(result: PathLike, truth: PathLike | None = None, **options: Any) -> dict[str, Any]:
@@ -157,6 +176,5 @@ def evaluate(result: PathLike, truth: PathLike | None = None, **options: Any) ->
 
     options: those of the command, `nearest=3` as `--nearest 3`, `changed=True` as `--changed`.
     """
-    words = [word for name, value in {"truth": truth, **options}.items() for word in _option(name, value)]
-    scores: dict[str, Any] = command("evaluate", result, *words)
+    scores: dict[str, Any] = command("evaluate", result, *_options({"truth": truth, **options}))
     return scores
