@@ -137,4 +137,8 @@ const std::vector<TimedPose>& FrameTree::TrackOf(const std::string& child) const
   return frames_.at(child).track;
 }
 
+void FrameTree::ForgetTracks() {
+  for (auto& [name, frame] : frames_) frame.track = {};
+}
+
 }  // namespace cairn::datasets::bag

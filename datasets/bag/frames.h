@@ -57,6 +57,7 @@ class FrameTree {
   Links MovingOn(const std::string& parent, const std::string& robot) const;
   // What is known of such a frame's path, in the order of messages.
   const std::vector<TimedPose>& TrackOf(const std::string& child) const;
+  void ForgetTracks();  // how frames lie on each other stays known
 
  private:
   struct Frame {

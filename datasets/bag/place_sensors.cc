@@ -33,6 +33,11 @@ class BagLog {
     ChooseBase();
   }
 
+  void ForgetPaths() {
+    in_.frames.ForgetTracks();
+    in_.odometry.poses = {};
+  }
+
   // Of several robots the first whose covariances say something counts.
   RangeLog Make(NoiseParameters* noise, std::optional<Fix>* origin) {
     if (!in_.robot.empty()) ranges_.robot = in_.robot;
@@ -46,11 +51,13 @@ class BagLog {
     if (!in_.gyro.topic.empty()) TurnOdometry();
     TakePosesOfTf();
     if (!in_.fixes.topic.empty()) in_.truth = PosesOfFixes(in_.fixes, Antenna(), origin, &report_);
+    in_.frames.ForgetTracks();
     ReserveEvents();
-    for (const PoseRow& row : in_.odometry.poses) AddPose(row, &RangeEvent::odometry);
-    for (const PoseRow& row : in_.truth) AddPose(row, &RangeEvent::truth);
-    for (const PoseRow& row : in_.poses) AddPose(row, &RangeEvent::corrected);
+    AddPoses(in_.odometry.poses, &RangeEvent::odometry);
+    AddPoses(std::exchange(in_.truth, {}), &RangeEvent::truth);
+    AddPoses(std::exchange(in_.poses, {}), &RangeEvent::corrected);
     TakeNoiseOfCovariances();
+    ForgetPaths();
     for (const auto& scan : in_.scans) AddLaser(scan.get());
     AddRing("sonar", false);
     AddRing("infrared", true);
@@ -184,12 +191,13 @@ class BagLog {
     ranges_.events.reserve(count);
   }
 
-  void AddPose(const PoseRow& row, const auto& which) {
-    RangeEvent event;
-    event.line = row.number;
-    event.stamp_s = row.time_s;
-    event.*which = row.pose;
-    ranges_.events.push_back(std::move(event));
+  void AddPoses(const std::vector<PoseRow>& rows, const auto& which) {
+    for (const PoseRow& row : rows) {
+      RangeEvent& event = ranges_.events.emplace_back();
+      event.line = row.number;
+      event.stamp_s = row.time_s;
+      event.*which = row.pose;
+    }
   }
 
   // What a filter says of its heading grows with the way, where the filter knows nothing but odometry.
@@ -267,7 +275,7 @@ class BagLog {
         AddBeam(mount, scan->first_rad + static_cast<double>(beam) * scan->step_rad, &rows, &steepest);
     WarnOfTilt(scan->topic, steepest);
     for (RangeEvent& event : scan->events) {
-      event.sensor = ranges_.sensors.size();
+      event.sensor = static_cast<std::uint32_t>(ranges_.sensors.size());
       ranges_.events.push_back(std::move(event));
     }
     scan->events = {};
@@ -306,7 +314,7 @@ class BagLog {
       if (beam == 0) rows.opening_rad = sonar->opening_rad;
       rows.max_range_m = std::max(rows.max_range_m, sonar->max_range_m);
       for (const RangeEvent& event : sonar->events) {
-        const double range_m = event.range_m.front();
+        const double range_m = event.scan->range_m.front();
         readings.push_back(
             {event.stamp_s, beam, event.line,
              range_m < sonar->max_range_m ? range_m : std::numeric_limits<double>::quiet_NaN()});
@@ -325,8 +333,8 @@ class BagLog {
       RangeEvent event;
       event.line = reading.number;
       event.stamp_s = reading.time_s;
-      event.sensor = ranges_.sensors.size();
-      event.range_m = round;
+      event.sensor = static_cast<std::uint32_t>(ranges_.sensors.size());
+      event.scan = Readings{round};
       ranges_.events.push_back(std::move(event));
       heard.clear();
     }
@@ -396,7 +404,10 @@ class BagLog {
 
 FindMount MountsOf(Gathered robot) {
   struct Places {
-    explicit Places(Gathered gathered) : log(std::move(gathered), &report) { log.FindBase(); }
+    explicit Places(Gathered gathered) : log(std::move(gathered), &report) {
+      log.FindBase();
+      log.ForgetPaths();
+    }
     ImportReport report;  // the import's own pass says the same again
     BagLog log;
   };

@@ -250,7 +250,7 @@ class ConeReader : public TopicReader {
     event.line = message.number;
     event.stamp_s = *time_s;
     const double range = FirstNumber(found[0]);
-    event.range_m = {range >= FirstNumber(found[5]) ? range : kNone};
+    event.scan = Readings{{range >= FirstNumber(found[5]) ? range : kNone}};
     topic_.events.push_back(std::move(event));
   }
 

@@ -83,15 +83,15 @@ class CarmenImport {
   // The sensors, and the events with their numbers for sources'; those of other sources are left out.
   void PlaceScans(RangeLog* ranges) {
     const std::vector<bool> best = BestSources(carmen_.sources);
-    std::vector<std::size_t> sensor(carmen_.sources.size());
+    std::vector<std::uint32_t> sensor(carmen_.sources.size());
     for (std::size_t s = 0; s < best.size(); ++s) {
-      sensor[s] = ranges->sensors.size();
+      sensor[s] = static_cast<std::uint32_t>(ranges->sensors.size());
       if (best[s]) ranges->sensors.push_back(LaserRows(carmen_.sources[s]));
     }
     for (CarmenEvent& event : carmen_.events) {
-      std::optional<std::size_t>& of = event.event.sensor;
+      std::optional<std::uint32_t>& of = event.event.sensor;
       if (of == kCarmenSonar) {
-        of = ranges->sensors.size();
+        of = static_cast<std::uint32_t>(ranges->sensors.size());
       } else if (of && best[*of]) {
         of = sensor[*of];
       } else if (of) {

@@ -83,9 +83,8 @@ class Reader {
     event->laser = scan.laser;
     event->event.stamp_s = scan.stamp_s;
     event->event.odometry = scan.robot;
-    event->event.sensor = static_cast<std::size_t>(source - log_.sources.begin());
-    event->event.range_m = std::move(scan.range_m);
-    event->event.intensity = std::move(scan.remission);
+    event->event.sensor = static_cast<std::uint32_t>(source - log_.sources.begin());
+    event->event.scan = Readings{std::move(scan.range_m), std::move(scan.remission)};
   }
 
   void ReadSonar(const Fields& line, RangeEvent* event) {
@@ -101,7 +100,7 @@ class Reader {
     }
     event->stamp_s = scan.stamp_s;
     event->sensor = kCarmenSonar;
-    event->range_m = std::move(scan.range_m);
+    event->scan = Readings{std::move(scan.range_m)};
   }
 
   // MARKER text time host time; the text may be of several words, or none.

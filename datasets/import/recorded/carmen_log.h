@@ -27,7 +27,7 @@ struct CarmenEvent {
   RangeEvent event;           // of a scan: `sensor` is the source, or kCarmenSonar
   std::optional<Pose> laser;  // the pose of the laser, of the messages that have it
 };
-inline constexpr std::size_t kCarmenSonar = static_cast<std::size_t>(-1);
+inline constexpr std::uint32_t kCarmenSonar = static_cast<std::uint32_t>(-1);
 
 struct CarmenLog {
   std::vector<CarmenSource> sources;

@@ -32,7 +32,8 @@ class DpSlamLines {
     if (beams != first)
       throw LineError{"other beams than the sensor's first scan",
                       std::to_string(beams) + " instead of " + std::to_string(first)};
-    log_->events.push_back({number, 0, pose_, {}, {}, 0, line.Ranges(2, beams, kMostDpslamRange_m), {}});
+    log_->events.push_back(
+        {number, 0, pose_, {}, {}, 0, Readings{line.Ranges(2, beams, kMostDpslamRange_m)}});
     pose_.reset();
   }
 

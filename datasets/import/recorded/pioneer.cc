@@ -108,11 +108,14 @@ ImportReport ImportPioneer(const RangeImportOptions& options, Blob* log) {
       continue;
     }
     const Pose at{pose->values[0], pose->values[1], WrapAngle(pose->values[2])};
-    for (std::size_t sensor = 0; sensor < 2; ++sensor) {
-      RangeEvent event{pose->line, pose->time_s, at, {}, {}, sensor, {}, {}};
-      event.range_m = sensor == 0 ? sonar->values : laser->values;
-      ranges_log.events.push_back(std::move(event));
-    }
+    for (std::uint32_t sensor = 0; sensor < 2; ++sensor)
+      ranges_log.events.push_back({pose->line,
+                                   pose->time_s,
+                                   at,
+                                   {},
+                                   {},
+                                   sensor,
+                                   Readings{sensor == 0 ? sonar->values : laser->values}});
   }
   return MakeRangeLog(std::move(ranges_log), options.noise, &bad, std::move(report), log);
 }

@@ -118,15 +118,15 @@ Poses PosesOf(const RangeLog& log, const auto& which) {
   return poses;
 }
 
-void AddScan(const RangeEvent& event, RangeRows* sensor) {
-  CAIRN_DEMAND(event.range_m.size() == sensor->beam_x_m.size(), "a scan of other beams than its sensor's");
-  sensor->time_s.push_back(event.stamp_s);
-  sensor->range_m.insert(sensor->range_m.end(), event.range_m.begin(), event.range_m.end());
+void AddScan(double time_s, const Readings& scan, RangeRows* sensor) {
+  CAIRN_DEMAND(scan.range_m.size() == sensor->beam_x_m.size(), "a scan of other beams than its sensor's");
+  sensor->time_s.push_back(time_s);
+  sensor->range_m.insert(sensor->range_m.end(), scan.range_m.begin(), scan.range_m.end());
   // Of a sensor with some, each reading has one, or NaN.
-  if (event.intensity.empty() && sensor->intensity.empty()) return;
+  if (scan.intensity.empty() && sensor->intensity.empty()) return;
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  sensor->intensity.resize(sensor->range_m.size() - event.range_m.size(), kNone);
-  sensor->intensity.insert(sensor->intensity.end(), event.intensity.begin(), event.intensity.end());
+  sensor->intensity.resize(sensor->range_m.size() - scan.range_m.size(), kNone);
+  sensor->intensity.insert(sensor->intensity.end(), scan.intensity.begin(), scan.intensity.end());
   sensor->intensity.resize(sensor->range_m.size(), kNone);
 }
 
@@ -168,7 +168,6 @@ void AddSensed(RangeLog* log, double first_s, double last_s, NameIndex* known, I
   NameIndex& names = *known;
   std::vector<std::vector<std::size_t>> rows(log->sensors.size());  // of each sensor's own
   for (RangeEvent& event : log->events) {
-    if (IsPoseAlone(event)) continue;
     if (event.stamp_s < first_s || event.stamp_s > last_s) {
       const char* what = event.sensor ? "scan" : event.mark ? "mark" : "landmark";
       ++report->dropped[std::string(what) + " outside the odometry's time"];
@@ -178,9 +177,8 @@ void AddSensed(RangeLog* log, double first_s, double last_s, NameIndex* known, I
       rows[*event.sensor].push_back(*event.row);
       log->sensors[*event.sensor].time_s.push_back(event.stamp_s);
     } else if (event.sensor) {
-      AddScan(event, &log->sensors[*event.sensor]);
-      std::vector<double>().swap(event.range_m);  // the log has it now
-      std::vector<float>().swap(event.intensity);
+      AddScan(event.stamp_s, *event.scan, &log->sensors[*event.sensor]);
+      event.scan = std::nullopt;  // the log has it now
     }
     if (event.landmark)
       robot.observations.Add(event.stamp_s,
@@ -209,11 +207,13 @@ void AddRobot(RangeLog* ranges, BadLines* bad, NameIndex* names, ImportReport* r
   if (odometry.time_s.empty())
     throw InputError(ranges->path + ": there is neither odometry nor a pose in it");
   const double first_s = odometry.time_s.front(), last_s = odometry.time_s.back();
+  robot->truth = PosesOf(*ranges, &RangeEvent::truth);
+  std::erase_if(ranges->events, IsPoseAlone);  // most of the memory
+  ranges->events.shrink_to_fit();
   robot->name = ranges->robot;
   robot->odometry = ControlsOf(TrackOf(odometry));
   robot->odometry_poses = std::move(odometry);
   robot->poses = corrected;
-  robot->truth = PosesOf(*ranges, &RangeEvent::truth);
   AddSensed(ranges, first_s, last_s, names, report, robot);
   ranges->events = {};
 }

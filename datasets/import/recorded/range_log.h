@@ -21,21 +21,26 @@ struct LandmarkSeen {
   double range_m = 0, bearing_rad = 0;
 };
 
-// A line of the log that counts. A scan's ranges are as read: those of 0, and those at its sensor's reach or
-// beyond, are taken for no answer.
+// A scan as read: ranges of 0, and those at its sensor's reach or beyond, are taken for no answer.
+struct Readings {
+  std::vector<double> range_m;
+  std::vector<float> intensity = {};  // of each range, or none
+};
+
+// A line of the log that counts. Most are poses alone, and a day has millions.
 struct RangeEvent {
   std::size_t line = 0;
   double stamp_s = 0;
   std::optional<Pose> odometry;  // where the robot was, as its odometry says
   Rare<Pose> corrected;          // where it was, as the log's maker found out
   Rare<Pose> truth;
-  std::optional<std::size_t> sensor;      // of a scan: index into RangeLog::sensors
-  std::vector<double> range_m;            // or:
+  std::optional<std::uint32_t> sensor;    // of a scan: index into RangeLog::sensors
+  Rare<Readings> scan = {};               // or:
   std::optional<std::uint32_t> row = {};  // of its sensor's `scans`
   Rare<std::string> mark = {};            // what a person said of the place: a contact detection
   Rare<LandmarkSeen> landmark = {};
-  std::vector<float> intensity = {};  // of each range, or none
 };
+static_assert(sizeof(RangeEvent) <= 104, "a day's events fill the memory");
 
 struct RangeLog {
   std::string path, robot = "robot";

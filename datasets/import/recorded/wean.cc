@@ -20,8 +20,8 @@ RangeEvent EventOf(const Fields& line, std::size_t number) {
     line.Need(kRanges + kWeanBeams + 1,
               "two poses, " + std::to_string(kWeanBeams) + " readings and the time");
     event.sensor = 0;
-    event.range_m = line.Ranges(kRanges, kWeanBeams, kMostWeanRange_m * kCentimetres);
-    for (double& range : event.range_m) range /= kCentimetres;
+    event.scan = Readings{line.Ranges(kRanges, kWeanBeams, kMostWeanRange_m * kCentimetres)};
+    for (double& range : event.scan->range_m) range /= kCentimetres;
   } else {
     throw UnknownMessage(line.Text(0));
   }
