@@ -50,11 +50,16 @@ double MeanSpeed_mps(const kinds::LandmarkMap::RobotPoses& poses) {
 // Where odometry's distances are not those of the ranges, either may be the one that is wrong, and the map
 // has the ranges' scale.
 Verdict::Doubt OfDistances(const kinds::LandmarkMap& map, Verdict* verdict) {
-  constexpr double kOff = 0.07, kFarOff = 0.15;
+  constexpr double kSaid = 0.02, kOff = 0.07, kFarOff = 0.15;
   const auto [robot, scale] =
       FindFurthest(map, &kinds::LandmarkMap::Robot::distance_scale, "distance_scale", verdict);
   const Confidence at_most = AtMost(Off(scale), std::log1p(kOff), std::log1p(kFarOff));
-  if (at_most == Confidence::kHigh) return {at_most};
+  if (Off(scale) <= std::log1p(kSaid)) return {at_most};
+  if (at_most == Confidence::kHigh)
+    return {at_most,
+            fmt::format("{} has travelled {:.2f} times as far by its ranges as by its odometry; the map "
+                        "has the scale of the ranges, and takes it for exact",
+                        robot, scale)};
   return {at_most,
           fmt::format("{} has travelled {:.2f} times as far by its ranges as by its odometry: are both in "
                       "metres and calibrated? The map has the scale of the ranges",

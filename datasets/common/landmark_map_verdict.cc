@@ -14,6 +14,7 @@
 #include "datasets/common/landmarks_seen_once.h"
 #include "datasets/common/moved_landmarks.h"
 #include "schema/kinds/landmark_map.h"
+#include "schema/text.h"
 
 namespace cairn::datasets {
 namespace {
@@ -408,6 +409,22 @@ bool OdometryContradicts(const Blob& result) {
   return NotRefined(result) == std::string("refused: ") + kinds::kOdometryWrongByHalf;
 }
 
+// Nobody looks for what is not there.
+Verdict::Doubt OfMissing(const kinds::LandmarkMap& map) {
+  std::vector<std::string> names;
+  for (const std::int32_t name : map.missing_landmarks.OrNone())
+    names.push_back(map.landmarks[static_cast<std::size_t>(name)]);
+  if (names.empty()) return {Confidence::kHigh};
+  std::string text =
+      fmt::format("{} landmark{} seen and {} not in it: {}", names.size(),
+                  names.size() == 1 ? " was" : "s were", names.size() == 1 ? "is" : "are", NameList(names));
+  if (map.robot.size() > 1)
+    text +=
+        "; without ranges, or without refinement, what a robot saw before it came to a landmark of the first "
+        "robot's is not used: let the one come first that saw most";
+  return {Confidence::kFair, text};
+}
+
 bool RefinementRefused(const Blob& result) { return NotRefined(result).starts_with("refused"); }
 
 Verdict LandmarkMapVerdict(const Blob& result) {
@@ -439,6 +456,7 @@ Verdict LandmarkMapVerdict(const Blob& result) {
         fmt::format("; {} of {} observations {} of none of its landmarks", observations - explained,
                     observations, observations - explained == 1 ? "is" : "are");
   if (2 * explained < observations) verdict.trust = Confidence::kLow;
+  verdict.Add(OfMissing(map));
   for (const std::string& doubt : map.observation_doubts.OrNone()) verdict.Add({Confidence::kLow, doubt});
   if (const std::string moved = MovedText(result); !moved.empty()) {
     verdict.trust = std::min(verdict.trust, Confidence::kFair);

@@ -536,6 +536,17 @@ TEST(LandmarkMapVerdict, SaysWhatItsLandmarksDoNotExplain) {
       << TextOf(result);
 }
 
+TEST(LandmarkMapVerdict, NamesThatWereSeenAndAreNotInTheMapMakeItFair) {
+  Blob result = Searched(7, 164.8);
+  result.Put("landmarks", Array::Texts({"door", "rosa", "sofa"}));
+  result.PutVector<std::int32_t>("missing_landmarks", {0, 2});
+  EXPECT_EQ(LandmarkMapVerdict(result).trust, Confidence::kFair);
+  EXPECT_NE(TextOf(result).find("; 2 landmarks were seen and are not in it: 'door', 'sofa'"),
+            std::string::npos)
+      << TextOf(result);
+  EXPECT_EQ(TextOf(result).find("come first"), std::string::npos);
+}
+
 TEST(NotRefined, SaysWhyAndWhetherItWasRefused) {
   Blob result;
   EXPECT_EQ(NotRefined(result), "") << "older files do not say";

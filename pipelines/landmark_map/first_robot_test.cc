@@ -11,6 +11,8 @@
 #include "pipelines/landmark_map/landmark_map.h"
 #include "pipelines/landmark_map/testing.h"
 #include "pipelines/testing/in_process.h"
+#include "schema/kinds/landmark_map.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -115,6 +117,56 @@ TEST(FirstRobots, TheOrderInTheLogChangesNothingButTheRobotsNumbers) {
       map->Get<std::int32_t>("search/tried_robot")[0] == map->Scalar<std::int32_t>("search/first_robot") ? 0
                                                                                                          : 1;
   EXPECT_GE(scores[kept], scores[1 - kept]);
+}
+
+// Six posts with names; for its first 8 s the second robot knows them by other names, which the first one
+// never gives.
+constexpr std::int32_t kPosts = 6;
+constexpr double kElsewhere_s = 8;
+BlobPtr TwoOfWhichTheSecondComesFromElsewhere() {
+  PostsLog named = Rounds(2, 1);
+  named.named = true;
+  Blob log = named.Make();
+  named.seed = 2;
+  Blob second = named.Make();
+  const auto seen = Read<kinds::Log>(second).robot[0].observations;
+  std::vector<std::int32_t> landmark = seen.landmark.vector();
+  for (std::size_t i = 0; i < landmark.size(); ++i)
+    if (seen.time_s[i] < kElsewhere_s) landmark[i] += kPosts;
+  second.PutVector("robot/0/observations/landmark", landmark);
+  std::vector<std::string> names = log.Texts("landmarks");
+  for (std::int32_t post = 0; post < kPosts; ++post)
+    names.push_back("of the second's " + std::to_string(post));
+  log = LogOf({{"first", log}, {"second", second}});
+  log.Put("landmarks", Array::Texts(names));
+  return std::make_shared<const Blob>(log);
+}
+
+TEST(SecondRobots, WhatOneSawBeforeItCameToTheFirstOnesLandmarksIsInTheMap) {
+  const BlobPtr log = TwoOfWhichTheSecondComesFromElsewhere();
+  const BlobPtr map = RunInProcess(LandmarkMap({.iterations = 4}), {{"log", log}});
+  EXPECT_FALSE(map->Has("missing_landmarks"));
+  const auto found = Read<kinds::LandmarkMap>(*map);
+  const std::vector<std::int32_t> names = found.map.landmark_identity.vector();
+  ASSERT_GT(names.size(), 8U) << "the six, and some again";
+  for (std::size_t l = kPosts; l < names.size(); ++l) {
+    const auto post = static_cast<std::size_t>(names[l] - kPosts);
+    EXPECT_NEAR(found.map.landmark_x_m[l], found.map.landmark_x_m[post], 0.2) << names[l];
+    EXPECT_NEAR(found.map.landmark_y_m[l], found.map.landmark_y_m[post], 0.2) << names[l];
+  }
+  const auto rows = found.robot[1].map_landmark;
+  const auto name = Read<kinds::Log>(*log).robot[1].observations.landmark;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    ASSERT_GE(rows[i], 0) << i;
+    EXPECT_EQ(names[static_cast<std::size_t>(rows[i])], name[i]) << i;
+  }
+}
+
+TEST(SecondRobots, WithoutRefinementTheNamesThatAreMissingAreSaid) {
+  const BlobPtr map = RunInProcess(LandmarkMap({.iterations = 4, .refine = false}),
+                                   {{"log", TwoOfWhichTheSecondComesFromElsewhere()}});
+  ASSERT_TRUE(map->Has("missing_landmarks"));
+  for (const std::int32_t name : map->Get<std::int32_t>("missing_landmarks")) EXPECT_GE(name, kPosts);
 }
 
 FirstRobotTrials RoundTripped(const FirstRobotTrials& trials, cairn::Step* step) {

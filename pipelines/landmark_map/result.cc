@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <string>
 
 #include "pipelines/common/handed_over.h"
@@ -237,6 +238,20 @@ void PutMap(const LayeredGrid& map, const MapRules& rules, Blob* result) {
             result);
 }
 
+// Names that somebody saw, by `until_s`, whose landmark is not in the map.
+void PutNamesThatAreMissing(const kinds::Log& log, const std::vector<Landmark>& landmarks, double until_s,
+                            Blob* result) {
+  std::set<std::int32_t> missing;
+  for (const kinds::Log::Robot& robot : log.robot) {
+    const auto time = robot.observations.time_s.OrNone();
+    for (std::size_t i = 0; i < time.size() && time[i] <= until_s; ++i)
+      if (const std::int32_t name = robot.observations.landmark[i]; name >= 0) missing.insert(name);
+  }
+  for (const Landmark& landmark : landmarks) missing.erase(landmark.type);
+  if (!missing.empty())
+    result->PutVector("missing_landmarks", std::vector<std::int32_t>(missing.begin(), missing.end()));
+}
+
 void PutLandmarks(const std::vector<Landmark>& landmarks, const MapRules& rules, Blob* result) {
   const Blob blob = BlobOf(landmarks);
   for (const char* name : {"x_m", "y_m", "covariance_m2", "count"}) {
@@ -348,6 +363,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   if (settings.detection.tells_passes && !settings.incremental)
     JudgePasses(settings, log.noise.false_ratio, &landmarks, &result);
   PutLandmarks(landmarks, settings.map, &result);
+  PutNamesThatAreMissing(log, landmarks, settings.steps.until_s, &result);
   const bool shifted = map.shift && map.shift->taken;  // EM counted elsewhere
   const LayeredGrid final_counts = refined.paths.empty() ? counts
                                    : shifted             ? CountsFromLandmarks(landmarks, settings)

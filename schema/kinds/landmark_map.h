@@ -207,6 +207,7 @@ struct LandmarkMap {
     }
   };
 
+  Column<std::int32_t> missing_landmarks;
   Texts robots, landmarks, types, log_hash, refinement_reason, observation_doubts;
   Column<double> until_s;
   Column<std::int64_t> until_observations;
@@ -232,6 +233,7 @@ struct LandmarkMap {
     field({"refinement/done", "", YesNo()}, &LandmarkMap::refinement_done);
     field({"refinement/reason", ""}, &LandmarkMap::refinement_reason);
     field({"observation_doubts", "D"}, &LandmarkMap::observation_doubts);
+    field({"missing_landmarks", "N", IndexInto("landmarks")}, &LandmarkMap::missing_landmarks);
     field("search", &LandmarkMap::search);
     field("fit", &LandmarkMap::fit);
     field("moved", &LandmarkMap::moved);

@@ -22,11 +22,6 @@ struct SeenRow {
   int landmark;
 };
 
-int LandmarkNamed(const std::vector<Landmark>& landmarks, int identity) {
-  const auto found = std::ranges::find(landmarks, identity, &Landmark::type);
-  return found == landmarks.end() ? -1 : static_cast<int>(found - landmarks.begin());
-}
-
 std::vector<SeenRow> RowsOfLandmarks(const kinds::Log::Observations& seen, const RowAssociations& associated,
                                      const Settings& settings, const std::vector<Landmark>& landmarks) {
   const auto time = seen.time_s.values(), range = seen.range_m.values(), bearing = seen.bearing_rad.values();

@@ -357,14 +357,21 @@ Refinement RefineMap(const std::vector<AssociatedPath>& paths, const Settings& s
   return refined;
 }
 
+namespace {
+
+// Where a landmark counts.
+Layer& LayerOf(const Landmark& landmark, const MapRules& rules, LayeredGrid* counts) {
+  const int layer = landmark.type < rules.types ? landmark.type : rules.types + landmark.landmark_class;
+  return counts->layers[static_cast<std::size_t>(layer)];
+}
+
+}  // namespace
+
 LayeredGrid CountsFromLandmarks(const std::vector<Landmark>& landmarks, const Settings& settings) {
-  const MapRules& rules = settings.map;
-  LayeredGrid counts = NoCounts(rules);
-  for (const Landmark& landmark : landmarks) {
-    const int layer = landmark.type < rules.types ? landmark.type : rules.types + landmark.landmark_class;
+  LayeredGrid counts = NoCounts(settings.map);
+  for (const Landmark& landmark : landmarks)
     SpreadMass(landmark, Width(landmark), landmark.count, settings,
-               &counts.layers[static_cast<std::size_t>(layer)]);
-  }
+               &LayerOf(landmark, settings.map, &counts));
   return counts;
 }
 
@@ -374,10 +381,11 @@ LayeredGrid Recentred(LayeredGrid counts, const std::vector<Landmark>& before,
   std::vector<std::vector<double>> masses;
   for (const Landmark& landmark : before) masses.push_back(LeaveOut(landmark, settings.map, &counts));
   for (std::size_t k = 0; k < now.size(); ++k) {
-    for (std::size_t l = 0; l < counts.layers.size(); ++l) {
-      if (masses[k][l] > 0.0)
-        SpreadMass(now[k], width_m.value_or(Width(now[k])), masses[k][l], settings, &counts.layers[l]);
-    }
+    const double width = width_m.value_or(Width(now[k]));
+    for (std::size_t l = 0; l < counts.layers.size(); ++l)
+      if (masses[k][l] > 0.0) SpreadMass(now[k], width, masses[k][l], settings, &counts.layers[l]);
+    if (std::ranges::all_of(masses[k], [](double mass) { return mass == 0.0; }))
+      SpreadMass(now[k], width, now[k].count, settings, &LayerOf(now[k], settings.map, &counts));
   }
   return counts;
 }

@@ -23,12 +23,21 @@ double LikelihoodOf(const Landmark& landmark, const RefinedPath::Pose& pose, dou
 
 }  // namespace
 
-RowAssociations RowsOfEm(const AssociatedPath& path) {
+int LandmarkNamed(const std::vector<Landmark>& landmarks, int identity) {
+  const auto found = std::ranges::find(landmarks, identity, &Landmark::type);
+  return found == landmarks.end() ? -1 : static_cast<int>(found - landmarks.begin());
+}
+
+RowAssociations RowsOfEm(const AssociatedPath& path, const kinds::Log::Observations& seen,
+                         const std::vector<Landmark>& landmarks) {
   RowAssociations rows;
-  for (const std::int32_t used : path.steps.row_observation) {
+  for (std::size_t i = 0; i < path.steps.row_observation.size(); ++i) {
+    const std::int32_t used = path.steps.row_observation[i];
     const auto k = static_cast<std::size_t>(used);
-    rows.landmark.push_back(used < 0 ? -1 : path.associated.landmark[k]);
-    rows.probability.push_back(used < 0 ? 0.0 : path.associated.probability[k]);
+    const bool before = used < 0 && seen.landmark[i] >= 0 && seen.time_s[i] < path.steps.time_s[0];
+    const int named = before ? LandmarkNamed(landmarks, seen.landmark[i]) : -1;
+    rows.landmark.push_back(used < 0 ? named : path.associated.landmark[k]);
+    rows.probability.push_back(used < 0 ? (named < 0 ? 0.0 : 1.0) : path.associated.probability[k]);
   }
   return rows;
 }
@@ -39,7 +48,7 @@ RowAssociations RowsSeenFrom(const RefinedPath& refined, const AssociatedPath& p
   const auto time = seen.time_s.values(), range = seen.range_m.values(), bearing = seen.bearing_rad.values();
   const auto identity = seen.landmark.values();
   const double missed = std::exp(-0.5 * kGateSigmas * kGateSigmas);
-  RowAssociations rows = RowsOfEm(path);
+  RowAssociations rows = RowsOfEm(path, seen, landmarks);
   for (std::size_t begin = 0, end = 0; begin < time.size() && time[begin] <= until_s; begin = end) {
     const RefinedPath::Pose pose = refined.At(time[begin]);
     std::vector<std::tuple<double, std::size_t, std::int32_t>> pairs;  // the best first

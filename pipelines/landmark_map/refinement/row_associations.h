@@ -17,8 +17,13 @@ struct RowAssociations {
   std::vector<double> probability;
 };
 
-// What EM says of the rows that it used.
-RowAssociations RowsOfEm(const AssociatedPath& path);
+// The landmark of that name, or -1.
+int LandmarkNamed(const std::vector<Landmark>& landmarks, int identity);
+
+// What EM says of the rows that it used. Of those before the robot's first step each that has a name is of
+// the landmark of that name.
+RowAssociations RowsOfEm(const AssociatedPath& path, const kinds::Log::Observations& seen,
+                         const std::vector<Landmark>& landmarks);
 
 // The same, but for range-bearing rows without a name: each is of that landmark which, seen from the refined
 // path, it is likelier of than of all others and none. An image shows no landmark twice; what it shows best

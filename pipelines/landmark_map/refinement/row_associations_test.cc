@@ -49,7 +49,7 @@ TEST(RowsSeenFrom, GivesEveryImageItsLandmarksOnce) {
   AssociatedPath path;
   path.steps.row_observation = {0, -1, -1, -1, 1, 2};
   path.associated = {{1, 1, -1}, {0.9, 0.8, 0.7}};
-  const RowAssociations em = RowsOfEm(path);
+  const RowAssociations em = RowsOfEm(path, seen, landmarks);
   EXPECT_EQ(em.landmark, (std::vector<std::int32_t>{1, -1, -1, -1, 1, -1}));
   EXPECT_EQ(em.probability, (std::vector<double>{0.9, 0, 0, 0, 0.8, 0.7}));
   const RowAssociations rows = RowsSeenFrom(Straight(), path, seen, landmarks, {0.3, 0.2, 0.05}, 100.0);
