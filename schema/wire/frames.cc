@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cerrno>
 #include <memory>
 #include <utility>
@@ -11,41 +12,44 @@ namespace {
 constexpr std::size_t kZeroCopyBytes = 16 * 1024;
 constexpr std::size_t kLongestName = 255;  // ZMTP's limit
 
-zmq::message_t FrameOf(const Array& array) {
-  const std::span<const std::byte> bytes = array.bytes();
-  if (bytes.size() < kZeroCopyBytes) return zmq::message_t(bytes.data(), bytes.size());
-  // ZeroMQ's thread lets the array go when the bytes are out. Nobody writes through this pointer.
-  auto* keep = new Array(array);
-  return zmq::message_t(
-      const_cast<std::byte*>(bytes.data()), bytes.size(),
-      [](void*, void* hint) { delete static_cast<Array*>(hint); }, keep);
-}
+// What a frame's bytes lie in, and how many it counts for until ZeroMQ lets it go.
+struct Kept {
+  std::shared_ptr<const void> owner;
+  UnsentBytes unsent;  // null: it is not counted
+  std::size_t counted = 0;
+};
 
-// The last frame of a message of so many bytes: when ZeroMQ lets it go, the message is out, or its peer is
+// Nobody writes through this pointer. ZeroMQ's thread lets `kept` go when the bytes are out, or their peer is
 // gone.
-template <typename Kept>
-zmq::message_t LastFrame(Kept kept, std::span<const std::byte> (*bytes_of)(const Kept&),
-                         std::size_t message_bytes, const UnsentBytes& unsent) {
-  struct Hint {
-    Kept kept;
-    std::size_t message_bytes;
-    UnsentBytes unsent;
-  };
-  auto hint = std::make_unique<Hint>(Hint{std::move(kept), message_bytes, unsent});
-  const std::span<const std::byte> bytes = bytes_of(hint->kept);
-  *unsent += message_bytes;
-  // Nobody writes through this pointer. On ZeroMQ's thread:
+zmq::message_t FrameOver(std::span<const std::byte> bytes, Kept kept) {
+  auto hint = std::make_unique<Kept>(std::move(kept));
+  if (hint->unsent) *hint->unsent += hint->counted;
   return zmq::message_t(
       const_cast<std::byte*>(bytes.data()), bytes.size(),
       [](void*, void* kept_by) {
-        const std::unique_ptr<Hint> gone(static_cast<Hint*>(kept_by));
-        *gone->unsent -= gone->message_bytes;
+        const std::unique_ptr<Kept> gone(static_cast<Kept*>(kept_by));
+        if (gone->unsent) *gone->unsent -= gone->counted;
       },
       hint.release());
 }
 
-std::span<const std::byte> BytesOfText(const std::string& text) { return std::as_bytes(std::span(text)); }
-std::span<const std::byte> BytesOfArray(const Array& array) { return array.bytes(); }
+// A message as ZeroMQ gets it.
+struct FrameBytes {
+  std::span<const std::byte> bytes;
+  std::shared_ptr<const void> owner;
+};
+std::vector<FrameBytes> SplitIntoFrames(Frames frames) {
+  const auto envelope = std::make_shared<const std::string>(std::move(frames.envelope));
+  std::vector<FrameBytes> split = {{std::as_bytes(std::span(*envelope)), envelope}};
+  for (Array& of : frames.arrays) {
+    const auto array = std::make_shared<const Array>(std::move(of));
+    std::span<const std::byte> rest = array->bytes();
+    for (; rest.size() >= kFrameBytes; rest = rest.subspan(kFrameBytes))
+      split.push_back({rest.first(kFrameBytes), array});
+    split.push_back({rest, array});
+  }
+  return split;
+}
 
 }  // namespace
 
@@ -80,22 +84,23 @@ Status ZmqStatus(const std::string& what, const zmq::error_t& error) {
   return {code, what + ": " + error.what()};
 }
 
-Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames, const UnsentBytes& unsent,
-                  std::size_t count_as) {
+Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames, const UnsentBytes& unsent) {
+  const bool counted = unsent != nullptr && BytesIn(frames) >= kZeroCopyBytes;
+  const std::vector<FrameBytes> split = SplitIntoFrames(std::move(frames));
   std::vector<zmq::message_t> parts;
-  parts.reserve(2 + frames.arrays.size());
+  parts.reserve(1 + split.size());
   if (peer != nullptr) parts.emplace_back(peer->data(), peer->size());
-  const std::size_t bytes = !unsent ? 0 : count_as > 0 ? count_as : BytesIn(frames);
-  const bool counted = bytes >= kZeroCopyBytes;
-  if (counted && frames.arrays.empty()) {
-    parts.push_back(LastFrame(std::move(frames.envelope), BytesOfText, bytes, unsent));
-  } else {
-    parts.emplace_back(frames.envelope.data(), frames.envelope.size());
-  }
-  for (std::size_t i = 0; i < frames.arrays.size(); ++i) {
-    const bool last = i + 1 == frames.arrays.size();
-    parts.push_back(counted && last ? LastFrame(frames.arrays[i], BytesOfArray, bytes, unsent)
-                                    : FrameOf(frames.arrays[i]));
+  std::size_t copied_bytes = 0;  // they count with the last frame
+  for (std::size_t i = 0; i < split.size(); ++i) {
+    const std::span<const std::byte> bytes = split[i].bytes;
+    const bool last = i + 1 == split.size();
+    if (bytes.size() < kZeroCopyBytes && !(counted && last)) {
+      parts.emplace_back(bytes.data(), bytes.size());
+      copied_bytes += bytes.size();
+    } else {
+      parts.push_back(FrameOver(
+          bytes, {split[i].owner, counted ? unsent : nullptr, bytes.size() + (last ? copied_bytes : 0)}));
+    }
   }
   try {
     for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -114,6 +119,7 @@ Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames,
 
 std::vector<zmq::message_t> ReceiveFrames(zmq::socket_t& socket, const Limits& limits) {
   constexpr std::size_t kUsual = 4;
+  const std::size_t most_frames = 1 + limits.frames + limits.message_bytes / kFrameBytes;
   std::vector<zmq::message_t> frames;
   std::size_t bytes = 0;
   bool more = true;
@@ -125,7 +131,7 @@ std::vector<zmq::message_t> ReceiveFrames(zmq::socket_t& socket, const Limits& l
     more = frame.more();
     // A router's first frame, the peer's name, is not the message's: what is kept must still be over the
     // limit.
-    if (bytes > limits.message_bytes + kLongestName || frames.size() > limits.frames + 1) continue;
+    if (bytes > limits.message_bytes + kLongestName || frames.size() > most_frames) continue;
     bytes += frame.size();
     if (frames.empty()) frames.reserve(kUsual);
     frames.push_back(std::move(frame));
@@ -133,9 +139,27 @@ std::vector<zmq::message_t> ReceiveFrames(zmq::socket_t& socket, const Limits& l
   return frames;
 }
 
-Result<Message> DecodeFrames(std::span<const zmq::message_t> frames, const Limits& limits) {
+// Lets frames go as it joins them, so that they are not in memory twice.
+Result<Message> DecodeFrames(std::span<zmq::message_t> frames, const Limits& limits) {
+  std::vector<std::unique_ptr<std::byte[]>> joined;
   std::vector<std::span<const std::byte>> views;
-  for (const zmq::message_t& frame : frames) views.emplace_back(frame.data<std::byte>(), frame.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    std::size_t end = i;  // of the frames that go on after it
+    while (i > 0 && end + 1 < frames.size() && frames[end].size() == kFrameBytes) ++end;
+    std::size_t bytes = 0;
+    for (std::size_t j = i; j <= end; ++j) bytes += frames[j].size();
+    if (end == i) {
+      views.emplace_back(frames[i].data<std::byte>(), bytes);
+      continue;
+    }
+    std::byte* to = joined.emplace_back(std::make_unique_for_overwrite<std::byte[]>(bytes)).get();
+    views.emplace_back(to, bytes);
+    for (; i <= end; ++i) {
+      to = std::copy_n(frames[i].data<std::byte>(), frames[i].size(), to);
+      frames[i].rebuild();
+    }
+    --i;
+  }
   return Decode(views, limits);
 }
 

@@ -21,16 +21,21 @@ using UnsentBytes = std::shared_ptr<std::atomic<std::size_t>>;
 
 std::size_t BytesIn(const Frames& frames);
 
+// An array goes out in frames of so many bytes; what is left, or nothing, is its last frame. ZeroMQ encrypts
+// a frame at a time for each peer, so no more than this is in memory again for each that is slow to read.
+inline constexpr std::size_t kFrameBytes = 256 << 10;
+
 // Sends all frames, without blocking. kNotFound: no such peer. kBusy: its queue is full, or nobody is
-// connected. `unsent`: counts this message, unless it is small; `count_as`: as so many bytes, where not 0.
+// connected. `unsent`: counts this message, unless it is small.
 Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames,
-                  const UnsentBytes& unsent = nullptr, std::size_t count_as = 0);
+                  const UnsentBytes& unsent = nullptr);
 
 // The frames of the next message; empty where none waits. Frames beyond `limits` are thrown away as they
 // come, the first of them kept, so that Decode refuses the message.
 std::vector<zmq::message_t> ReceiveFrames(zmq::socket_t& socket, const Limits& limits);
 
-Result<Message> DecodeFrames(std::span<const zmq::message_t> frames, const Limits& limits);
+// Takes the frames.
+Result<Message> DecodeFrames(std::span<zmq::message_t> frames, const Limits& limits);
 
 Status ZmqStatus(const std::string& what, const zmq::error_t& error);
 

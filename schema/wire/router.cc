@@ -12,15 +12,6 @@ namespace cairn::wire {
 namespace {
 
 constexpr std::size_t kDroppedPeersKept = 4096;
-// ZeroMQ lets a frame go when it has encrypted it, though the copy waits for its peer still. So an answer of
-// so many bytes is counted until what is sent behind it goes: credit for no upload, which clients pass over.
-constexpr std::size_t kCountedBehindBytes = 64 << 10;
-
-Message NoCredit() {
-  Message message;
-  message.envelope.mutable_credit();
-  return message;
-}
 
 int Descriptor(const zmq::message_t& frame) {
   return zmq_msg_get(const_cast<zmq_msg_t*>(frame.handle()), ZMQ_SRCFD);
@@ -142,8 +133,7 @@ void RouterSocket::Impl::Drop(const std::string& peer) {
   drop_order.pop_front();
 }
 
-Received RouterSocket::Impl::Receive(std::string peer, std::string user,
-                                     std::span<const zmq::message_t> frames) {
+Received RouterSocket::Impl::Receive(std::string peer, std::string user, std::span<zmq::message_t> frames) {
   Received received;
   received.peer = std::move(peer);
   received.user_id = std::move(user);
@@ -177,16 +167,12 @@ std::optional<Received> RouterSocket::TryReceive() {
 
 Status RouterSocket::Send(const std::string& peer, Message message) {
   if (impl_->dropped.contains(peer)) return {Code::kNotFound, "this peer was dropped"};
-  const bool is_answer_with_blobs = message.envelope.has_reply() && !message.blobs.empty();
   Frames frames = Encode(std::move(message));
   const std::size_t bytes = BytesIn(frames);
   const UnsentBytes unsent = impl_->PeerOf(peer).unsent;
   if (*unsent > 0 && *unsent + bytes > impl_->options.connections.unsent_bytes)
     return {Code::kBusy, "the peer has not read what was sent before"};
-  const bool counts_behind = is_answer_with_blobs && bytes >= kCountedBehindBytes;
-  Status sent = SendFrames(impl_->socket, &peer, std::move(frames), counts_behind ? nullptr : unsent);
-  if (sent.ok() && counts_behind && !SendFrames(impl_->socket, &peer, Encode(NoCredit()), unsent, bytes).ok())
-    impl_->Drop(peer);
+  Status sent = SendFrames(impl_->socket, &peer, std::move(frames), unsent);
   if (sent.ok()) impl_->traffic.bytes_out += bytes;
   return sent;
 }

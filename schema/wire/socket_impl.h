@@ -32,7 +32,7 @@ struct RouterSocket::Impl {
   std::unique_ptr<ZapAuthenticator> authenticator;  // goes before the socket that it watches
   bool has_keys = false;                            // only then ZeroMQ says who sent a message
 
-  Received Receive(std::string peer, std::string user, std::span<const zmq::message_t> frames);
+  Received Receive(std::string peer, std::string user, std::span<zmq::message_t> frames);
   Peer& PeerOf(const std::string& peer);
   void Drop(const std::string& peer);
   void ShutDown(const std::string& peer, int fd);

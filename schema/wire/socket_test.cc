@@ -10,6 +10,7 @@
 #include <thread>
 #include <zmq.hpp>
 
+#include "schema/wire/internal.h"
 #include "schema/wire/testing/link.h"
 #include "schema/wire/testing/private_folder.h"
 #include "schema/wire/testing/raw_peer.h"
@@ -21,8 +22,10 @@ namespace {
 TEST(Socket, MessagesAndBlobsGoBothWays) {
   Link link;
   ASSERT_EQ(AwaitEvent(link.dealer), LinkEvent::kConnected);
+  constexpr std::size_t kOfAFrame = kFrameBytes / sizeof(double);
+  // Copied, and sent without a copy, in one frame or in several.
   for (const std::size_t doubles :
-       {std::size_t{1}, std::size_t{1} << 20}) {  // copied, and sent without a copy
+       {std::size_t{1}, kOfAFrame - 1, kOfAFrame, kOfAFrame + 1, 3 * kOfAFrame, std::size_t{1} << 20}) {
     ASSERT_TRUE(link.dealer.Send(BlobMessage(doubles)).ok());
     const std::optional<Received> up = AwaitMessage(link.router);
     ASSERT_TRUE(up && up->status.ok());
@@ -31,7 +34,7 @@ TEST(Socket, MessagesAndBlobsGoBothWays) {
     const std::optional<Received> down = AwaitMessage(link.dealer);
     ASSERT_TRUE(down && down->status.ok());
     EXPECT_EQ(down->message.blobs[0].blob->fields(), BlobMessage(doubles).blobs[0].blob->fields());
-    EXPECT_GT(link.router.traffic().bytes_in, doubles * sizeof(double));
+    EXPECT_GE(link.router.traffic().bytes_in, doubles * sizeof(double));
     EXPECT_EQ(link.router.traffic().bytes_out, link.router.traffic().bytes_in) << "the same went back";
   }
 }
