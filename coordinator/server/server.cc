@@ -13,6 +13,7 @@ namespace cairn::coordinator {
 namespace {
 
 constexpr double kTick_s = 0.1;
+constexpr double kFetchesWait_s = 0.005;    // until it is seen who has read what was sent before
 constexpr std::size_t kLineBytes = 16'384;  // of the log
 
 }  // namespace
@@ -34,6 +35,7 @@ Server::Server(const StoreFolder& folder, Transport& transport, JobTable table, 
                [this](const std::string& user, const Hash& hash) { return HasOf(user, hash); }),
       access_control_(options_.allow_list, options_.key_limits),
       refusals_(log_),
+      on_its_way_(transport, options_.stalled_s),
       last_job_number_(table.LastNumber()),
       writer_(folder, files_, use_, std::move(table), [&transport] { transport.Wake(); }) {
   Restore();
@@ -70,14 +72,14 @@ void Server::Restore() {
 }
 
 void Server::Step(double timeout_s) {
-  std::vector<Incoming> came = transport_.Poll(gone_.empty() && waiting_.empty() ? timeout_s : 0);
+  const double wait_s = fetches_.empty() ? timeout_s : std::min(timeout_s, kFetchesWait_s);
+  std::vector<Incoming> came = transport_.Poll(gone_.empty() ? wait_s : 0);
   const double began_s = Now();
   // Looked at after the messages came: whoever was taken off the list before he sent one is refused it.
   if (access_control_.Refresh()) EndRevoked();
   const bool behind = !transport_.TookAll();
   const std::set<std::string> gone = behind ? std::set<std::string>() : std::exchange(gone_, {});
-  has_read_ = false;
-  ServeWaiting();
+  ServeFetches();
   for (Incoming& incoming : came) Receive(incoming);
   // After its last words, an answer or that it leaves, which were on their way when it was found gone.
   for (const std::string& peer : gone) Handle(WorkerLost{peer});
@@ -89,6 +91,7 @@ void Server::Step(double timeout_s) {
     Carry(uploads_.Tick(now_s));
     if (!behind) ProbeSilent(now_s);  // else whoever seems silent may have said something
     ProbeStore(now_s);
+    EndStalled(now_s);
     // A disk that is slow, or hangs, gets no more to do; what waits is bounded.
     if (writer_.Finished(log_ticket_)) WriteLog();
   }
@@ -246,6 +249,10 @@ void Server::TakeDiskDone() {
     blobs_.MarkDurable(done.written, done.ticket);
     if (done.upload != 0) {
       TakeUploadDone(done);
+      continue;
+    }
+    if (!done.loaded.empty()) {
+      TakeLoaded(done.loaded);
       continue;
     }
     if (!done.asker.empty()) {

@@ -18,6 +18,7 @@
 #include "coordinator/server/access_control.h"
 #include "coordinator/server/job_index.h"
 #include "coordinator/server/metrics.h"
+#include "coordinator/server/on_its_way.h"
 #include "coordinator/server/refusals.h"
 #include "coordinator/server/transport.h"
 #include "coordinator/store/blob_store.h"
@@ -36,9 +37,13 @@ struct ServerOptions {
   UploadOptions uploads;
   std::uint64_t largest_input_bytes = wire::Limits().message_bytes;  // a worker gets it as one message
   std::uint64_t memory_bytes = 4ull << 30;
-  std::uint64_t sent_bytes = 1ull << 30;  // of results and inputs, on their way to all who ask for them
-  std::uint64_t store_limit_bytes = 0;    // on disk; 0: none
-  bool drains = false;                    // takes no new jobs
+  // Of results and inputs, on their way to clients; as much again to administrators.
+  std::uint64_t sent_bytes = 256ull << 20;
+  // Of blobs, on their way to workers, each of which has an equal share; of parts, to all of them.
+  std::uint64_t fetched_bytes = 1ull << 30;
+  double stalled_s = 60;                // with who reads nothing of what he asked for
+  std::uint64_t store_limit_bytes = 0;  // on disk; 0: none
+  bool drains = false;                  // takes no new jobs
   // The inputs of a private run, which whoever starts it has in files and brings along each time: the store
   // has no copies. None: jobs bring their inputs, and the store keeps them.
   std::optional<std::vector<wire::NamedBlob>> given_inputs;
@@ -148,9 +153,29 @@ class Server {
   std::uint64_t BytesOnDisk(const Hash& input) const;
   std::string LimitMemory(const std::string& user, proto::Job& job) const;
 
-  // server_requests.cc
+  // server_blobs.cc
   void Serve(const std::string& peer, const wire::Fetch& fetch);
-  void ServePart(const std::string& peer, const Hash& hash, const proto::BlobPart& part);
+  bool MustWait(const std::string& peer, const wire::Fetch& fetch) const;
+  void ServeFetches();
+  void Send(const std::string& peer, const wire::Fetch& fetch);
+  void SendPart(const std::string& peer, const Hash& hash, const wire::Fetch& fetch);
+  void NoteSent(const std::string& peer, const wire::Fetch& fetch, std::uint64_t bytes);
+  void EndStalled(double now_s);
+  void AnswerWithBlobs(const std::string& peer, const std::string& user, const wire::JobQuery& query);
+  bool WaitsForResults(const std::string& peer, const std::string& user, const wire::JobQuery& query);
+  void TakeLoaded(const std::vector<SharedResults::Loaded>& loaded);
+  std::uint64_t BytesOfResults(const Job& job) const;
+  std::string WhyTooMuchOnItsWay(const std::string& user, const std::string& what,
+                                 std::uint64_t more_bytes) const;
+  OnItsWay::To KindOfClient(const std::string& user) const;
+  Result<wire::NamedBlob> PublishedBy(const Job& job, std::size_t stage,
+                                      const std::filesystem::path& path) const;
+  void AddResults(const std::string& id, wire::Message& reply);
+  void AddSoFar(const std::string& id, wire::Message& reply);
+  void AddInputs(const std::string& id, wire::Message& reply);
+  void AddBlob(const std::string& name, const Hash& hash, wire::Message& reply);
+
+  // server_requests.cc
   void Serve(const std::string& peer, const std::string& user, const wire::Have& have);
   void Serve(const std::string& peer, const std::string& user, const wire::Submit& submit);
   void Serve(const std::string& peer, const std::string& user, const wire::JobQuery& query);
@@ -158,17 +183,7 @@ class Server {
   void Serve(const std::string& peer, const wire::WorkerQuery& query);
   void RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why);
   void RefuseAsUnable(const std::string& peer, wire::RefusalKind kind, const std::string& why);
-  void AnswerWithBlobs(const std::string& peer, const std::string& user, const wire::JobQuery& query);
-  bool WaitsForResults(const std::string& peer, const std::string& user, const wire::JobQuery& query);
-  void ServeWaiting();
-  std::uint64_t BytesOfResults(const Job& job) const;
-  std::string WhyTooMuchOnItsWay(const std::string& user, std::uint64_t more_bytes);
   wire::Message AboutJobs(const std::string& user, const std::string& job) const;
-  Result<wire::NamedBlob> PublishedBy(const Job& job, std::size_t stage, const std::filesystem::path& path);
-  void AddResults(const std::string& id, wire::Message& reply);
-  void AddSoFar(const std::string& id, wire::Message& reply);
-  void AddInputs(const std::string& id, wire::Message& reply);
-  void AddBlob(const std::string& name, const Hash& hash, wire::Message& reply);
   bool MayAskWriter(const std::string& peer);
   void AnswerLog(const std::string& peer, const std::string& user, const wire::JobQuery& query);
   std::string WhatIsWrong(const wire::JobQuery& query) const;
@@ -200,22 +215,24 @@ class Server {
   AccessControl access_control_;
   Refusals refusals_;
   std::map<std::string, std::string> asked_by_;  // "cancelled by desk (Yx8…)", by peer, until it is answered
-  // Who asked for results that have yet to be read; a turn reads those of one job.
+  // Who asked for results that have yet to be read; the writer reads those of one job at a time.
   struct Waiting {
     std::string peer, user;
     wire::JobQuery query;
   };
   std::deque<Waiting> waiting_;
-  bool has_read_ = false;  // in this turn
+  bool is_loading_ = false;
   SharedResults results_;
-  std::map<std::string, std::string> sent_to_;  // whose the peers are to whom blobs are on their way
-  std::set<std::string> questions_;             // peers whose question is with the writer
-  std::set<std::string> told_ended_;            // jobs of which job_ended was told
-  std::set<std::string> warned_;                // peers that were told once that they have no business here
-  std::uint64_t last_job_number_;               // that was ever given, or lies in the store
-  WaitingLines waiting_lines_;                  // of jobs' logs
-  std::uint64_t log_ticket_ = 0;                // of the lines that were written last
-  DiskWriter writer_;                           // last: it is joined first
+  OnItsWay on_its_way_;
+  std::map<std::string, std::deque<wire::Fetch>> fetches_;  // that wait, by worker's peer
+  std::string fetched_last_;                                // the peer of whom some were answered last
+  std::set<std::string> questions_;                         // peers whose question is with the writer
+  std::set<std::string> told_ended_;                        // jobs of which job_ended was told
+  std::set<std::string> warned_;   // peers that were told once that they have no business here
+  std::uint64_t last_job_number_;  // that was ever given, or lies in the store
+  WaitingLines waiting_lines_;     // of jobs' logs
+  std::uint64_t log_ticket_ = 0;   // of the lines that were written last
+  DiskWriter writer_;              // last: it is joined first
 };
 
 }  // namespace cairn::coordinator

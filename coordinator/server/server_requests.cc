@@ -1,4 +1,4 @@
-// What clients ask, and the blobs that workers fetch.
+// What clients ask.
 #include <algorithm>
 #include <cctype>
 #include <map>
@@ -64,47 +64,6 @@ void Server::Reply(const std::string& peer, wire::Message reply) {
   asked_by_.erase(peer);
   reply.envelope.mutable_reply()->set_workers(static_cast<std::uint32_t>(core_.fleet().size()));
   transport_.Send(peer, std::move(reply));
-}
-
-void Server::Serve(const std::string& peer, const wire::Fetch& fetch) {
-  const Result<Hash> hash = Hash::FromBinary(fetch.hash());
-  const bool may = hash.ok() && core_.MayRead(peer, hash.value());
-  // One that was dropped meanwhile is no offence, nor is a worker that does not know yet that it was given
-  // up.
-  if (hash.ok() && !may && blobs_.Has(hash.value()) && core_.fleet().Knows(peer))
-    refusals_.Add({wire::RefusalKind::kTask, "a fetch of a blob that is not for this worker"}, Now());
-  if (may && fetch.has_part()) return ServePart(peer, hash.value(), fetch.part());
-  wire::Message answer;
-  Status unread;
-  if (const BlobPtr blob = may ? blobs_.Get(hash.value(), &unread) : nullptr) {
-    answer.envelope.mutable_blob();
-    answer.blobs.push_back({hash.value(), blob});
-  } else {
-    if (!unread.ok()) log_(Severity::kError, unread.message());
-    answer.envelope.mutable_missing()->set_hash(hash.ok() ? fetch.hash() : std::string());
-    if (fetch.has_part()) *answer.envelope.mutable_missing()->mutable_part() = fetch.part();
-  }
-  transport_.Send(peer, std::move(answer));
-}
-
-void Server::ServePart(const std::string& peer, const Hash& hash, const proto::BlobPart& part) {
-  wire::Message answer;
-  const Result<BlobPtr> cut = blobs_.GetPart(hash, part);
-  if (cut.ok()) {
-    wire::BlobData& data = *answer.envelope.mutable_blob();
-    data.set_of(hash.Binary());
-    *data.mutable_part() = part;
-    answer.blobs.push_back(wire::NameBlob(cut.value()));
-  } else {
-    wire::Missing& missing = *answer.envelope.mutable_missing();
-    missing.set_hash(hash.Binary());
-    *missing.mutable_part() = part;
-    if (cut.status().code() == Code::kRefused)
-      missing.set_why(cut.status().message());
-    else if (cut.status().code() != Code::kNotFound)
-      log_(Severity::kError, cut.status().message());
-  }
-  transport_.Send(peer, std::move(answer));
 }
 
 void Server::Serve(const std::string& peer, const std::string& user, const wire::Have& have) {
@@ -304,132 +263,6 @@ void Server::Obey(const std::string& peer, const wire::JobQuery& query, JobComma
     case JobCommand::kPrioritize:
       return Handle(PrioritizeJob{id, query.priority(), peer});
   }
-}
-
-// Who asks again while the answer is on its way, or does not read, waits for that. Of what is on its way to
-// all there is a bound: each connection has a copy of its own of what it encrypts.
-void Server::AnswerWithBlobs(const std::string& peer, const std::string& user, const wire::JobQuery& query) {
-  if (transport_.Unsent(peer) > 0) return;
-  const bool results = query.action() == "results";
-  const std::uint64_t expected = results ? BytesOfResults(*core_.FindJob(query.job())) : 0;
-  if (const std::string much = WhyTooMuchOnItsWay(user, expected); !much.empty())
-    return RefuseAsUnable(peer, wire::RefusalKind::kQuota, much);
-  if (results && WaitsForResults(peer, user, query)) return;
-  wire::Message reply = AboutJobs(user, query.job());
-  if (results) AddResults(query.job(), reply);
-  if (query.action() == "so_far") AddSoFar(query.job(), reply);
-  if (query.action() == "inputs") AddInputs(query.job(), reply);
-  std::uint64_t bytes = 0;
-  for (const wire::NamedBlob& named : reply.blobs) bytes += named.blob->ByteCount();
-  if (const std::string much = WhyTooMuchOnItsWay(user, bytes); !much.empty())
-    return RefuseAsUnable(peer, wire::RefusalKind::kQuota, much);
-  if (bytes > 0) sent_to_[peer] = user;
-  Reply(peer, std::move(reply));
-}
-
-// Of what one key has asked for no more is on its way than a quarter of all, or one answer.
-std::string Server::WhyTooMuchOnItsWay(const std::string& user, std::uint64_t more_bytes) {
-  std::uint64_t of_all = 0, of_user = 0;
-  std::erase_if(sent_to_, [this](const auto& sent) { return transport_.Unsent(sent.first) == 0; });
-  for (const auto& [peer, whose] : sent_to_) {
-    const std::uint64_t bytes = transport_.Unsent(peer);
-    of_all += bytes;
-    of_user += whose == user ? bytes : 0;
-  }
-  const std::uint64_t most = options_.sent_bytes;
-  const std::string again = " of results and inputs are on their way to ";
-  if (of_all > 0 && of_all + more_bytes > most)
-    return BytesText(of_all) + again + "those who asked before; try again";
-  if (!user.empty() && of_user > 0 && of_user + more_bytes > most / 4)
-    return BytesText(of_user) + again + access_control_.NameOf(user) + "; try again when they are there";
-  return "";
-}
-
-std::uint64_t Server::BytesOfResults(const Job& job) const {
-  std::uint64_t bytes = 0;
-  for (const proto::Stage& stage : job.spec.stages())
-    bytes += results_.Bytes(options_.result_path(job.id, stage.name()));
-  return bytes;
-}
-
-// True: they have to be read, and another's were in this turn. It is answered in a later one.
-bool Server::WaitsForResults(const std::string& peer, const std::string& user, const wire::JobQuery& query) {
-  constexpr std::size_t kMostWaiting = 1024;
-  const Job& job = *core_.FindJob(query.job());
-  const bool at_hand = std::ranges::all_of(job.spec.stages(), [&](const proto::Stage& stage) {
-    return results_.IsAtHand(options_.result_path(job.id, stage.name()));
-  });
-  if (at_hand) return false;
-  if (!std::exchange(has_read_, true)) return false;
-  if (std::ranges::any_of(waiting_, [&](const Waiting& waiting) { return waiting.peer == peer; }))
-    return true;
-  if (waiting_.size() >= kMostWaiting) {
-    RefuseAsUnable(peer, wire::RefusalKind::kQuota, "the service is busy with what others ask; ask again");
-    return true;
-  }
-  wire::JobQuery asked;
-  asked.set_job(query.job());
-  asked.set_action(query.action());
-  waiting_.push_back({peer, user, std::move(asked)});
-  return true;
-}
-
-void Server::ServeWaiting() {
-  for (const Waiting& waiting : std::exchange(waiting_, {})) Serve(waiting.peer, waiting.user, waiting.query);
-}
-
-// What a stage of a job has published. kNotFound: nothing yet. kCorrupt: damaged, gone, or not what it made.
-Result<wire::NamedBlob> Server::PublishedBy(const Job& job, std::size_t stage,
-                                            const std::filesystem::path& path) {
-  Result<SharedResult> file = results_.Read(path);
-  const bool all_are_there =
-      job.state == proto::JOB_DONE && job.saving.unpublished.empty() && !job.saving.under_way;
-  if (!file.ok() && file.status().code() == Code::kNotFound && all_are_there)
-    return Status(Code::kCorrupt, path.string() + ": is not there any more");
-  if (!file.ok()) return file.status();
-  if (stage < job.results.size() && file.value().result != job.results[stage])
-    return Status(Code::kCorrupt, path.string() + ": is another result than this job made");
-  return std::move(file).value().named;
-}
-
-// As they are published. Stages whose results are not there, or not what the job made, are named in the
-// message.
-void Server::AddResults(const std::string& id, wire::Message& reply) {
-  const Job& job = *core_.FindJob(id);
-  std::string& damaged = *reply.envelope.mutable_reply()->mutable_message();
-  for (std::size_t stage = 0; stage < static_cast<std::size_t>(job.spec.stages_size()); ++stage) {
-    const std::string& name = job.spec.stages(static_cast<int>(stage)).name();
-    Result<wire::NamedBlob> file = PublishedBy(job, stage, options_.result_path(id, name));
-    if (file.ok()) {
-      reply.envelope.mutable_reply()->add_names(name);
-      reply.blobs.push_back(std::move(file).value());
-    } else if (file.status().code() != Code::kNotFound) {
-      damaged += (damaged.empty() ? "the stage '" : "; the stage '") + name +
-                 "': " + ForUsers(file.status()).message();
-    }
-  }
-}
-
-// Of the step under way, durable or not: steps are pure, so that what a crash takes back comes again.
-void Server::AddSoFar(const std::string& id, wire::Message& reply) {
-  const Job& job = *core_.FindJob(id);
-  if (const auto hash = job.SoFar()) AddBlob(job.CurrentStage().name(), *hash, reply);
-}
-
-// They are kept as long as the job may need them.
-void Server::AddInputs(const std::string& id, wire::Message& reply) {
-  const Job& job = *core_.FindJob(id);
-  for (const auto& [name, binary] : job.spec.input_blobs())
-    if (!job.Final()) AddBlob(name, Hash::FromBinary(binary).value(), reply);
-}
-
-void Server::AddBlob(const std::string& name, const Hash& hash, wire::Message& reply) {
-  Status unread;
-  const BlobPtr blob = blobs_.Get(hash, &unread);
-  if (!unread.ok()) log_(Severity::kError, unread.message());
-  if (blob == nullptr) return;
-  reply.envelope.mutable_reply()->add_names(name);
-  reply.blobs.push_back({hash, blob});
 }
 
 }  // namespace cairn::coordinator

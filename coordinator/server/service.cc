@@ -110,6 +110,7 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   server_options.job_ended = options.job_ended;
   server_options.key_limits = options.key_limits;
   server_options.memory_bytes = options.memory_bytes;
+  server_options.sent_bytes = options.sent_bytes;
   server_options.largest_input_bytes = options.sockets.limits.message_bytes;
   if (!options.keys_dir.empty()) server_options.allow_list = AllowListIn(options.keys_dir);
   server_options.result_path = [dir = folder.value().dir()](const std::string& job,

@@ -52,7 +52,8 @@ DiskWriter::~DiskWriter() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
     std::erase_if(queue_, [](const Item& item) {  // nobody is there for the answers
-      return std::holds_alternative<ReadLogWork>(item.work) || std::holds_alternative<CleanWork>(item.work);
+      return std::holds_alternative<ReadLogWork>(item.work) || std::holds_alternative<CleanWork>(item.work) ||
+             std::holds_alternative<LoadResultsWork>(item.work);
     });
   }
   changed_.notify_one();
@@ -114,7 +115,7 @@ std::optional<DiskDone> DiskWriter::Do(Item& item) {
   DiskDone done = std::visit([this](const auto& work) { return Do(work); }, item.work);
   done.ticket = item.ticket;
   const bool silent = done.job.empty() && done.asker.empty() && done.written.empty() && done.upload == 0 &&
-                      !std::holds_alternative<WriteServedWork>(item.work);
+                      done.loaded.empty() && !std::holds_alternative<WriteServedWork>(item.work);
   if (silent && done.status.ok()) return std::nullopt;
   return done;
 }
@@ -241,6 +242,12 @@ DiskDone DiskWriter::Do(const CloseUpload& work) {
   done.closed = true;
   done.blob = work.hash;
   done.status = closed;
+  return done;
+}
+
+DiskDone DiskWriter::Do(const LoadResultsWork& work) {
+  DiskDone done;
+  for (const fs::path& file : work.files) done.loaded.push_back(SharedResults::Load(file));
   return done;
 }
 

@@ -1,5 +1,5 @@
-// One thread that does all writing, in the order in which it was asked, so that the event loop never waits
-// for a disk.
+// One thread that does all writing, in the order in which it was asked, and reads what is large, so that the
+// event loop never waits for a disk.
 #pragma once
 
 #include <chrono>
@@ -21,6 +21,7 @@
 #include "coordinator/store/cleaner.h"
 #include "coordinator/store/folder.h"
 #include "coordinator/store/job_table.h"
+#include "coordinator/store/shared_results.h"
 #include "schema/blob.h"
 #include "schema/checkpoint.pb.h"
 #include "schema/wire/codec.h"
@@ -62,17 +63,21 @@ struct ReadLogWork {
   wire::JobInfo job;  // as it stood when it was asked
   std::uint64_t after = 0;
 };
+// Published results, to be sent.
+struct LoadResultsWork {
+  std::vector<std::filesystem::path> files;
+};
 struct CleanWork {
   std::string asker;  // the client's peer
   CleanOptions options;
 };
 using DiskWork =
     std::variant<WriteCheckpointWork, WriteBlobsWork, RemoveBlobsWork, ForgetWork, WriteServedWork,
-                 WriteLogWork, ReadLogWork, CleanWork, OpenUpload, WritePiece, CloseUpload>;
+                 WriteLogWork, ReadLogWork, LoadResultsWork, CleanWork, OpenUpload, WritePiece, CloseUpload>;
 
-// What came of a checkpoint, of blobs, of a piece or the end of an upload, of a question, or of the time
-// served; of rows, log lines and the beginning of an upload only a failure is told. (A removal that fails is
-// made up for by the next start.)
+// What came of a checkpoint, of blobs, of a piece or the end of an upload, of a question, of results that
+// were to be loaded, or of the time served; of rows, log lines and the beginning of an upload only a failure
+// is told. (A removal that fails is made up for by the next start.)
 struct DiskDone {
   std::uint64_t ticket = 0;
   std::string job;           // empty: neither a checkpoint nor a job that went
@@ -81,6 +86,7 @@ struct DiskDone {
   std::vector<Hash> written;  // blobs that lie on disk now
   std::string asker;          // of the question that `answer` answers; empty: it was none
   wire::Reply answer;
+  std::vector<SharedResults::Loaded> loaded;
   std::uint64_t upload = 0;        // its number; 0: it is of none
   std::uint64_t upload_bytes = 0;  // of the piece
   bool closed = false;             // the upload is over, with this blob:
@@ -115,6 +121,7 @@ class DiskWriter {
   DiskDone Do(const RemoveBlobsWork& work);
   DiskDone Do(const WriteLogWork& work);
   DiskDone Do(const ReadLogWork& work) const;
+  static DiskDone Do(const LoadResultsWork& work);
   DiskDone Do(const OpenUpload& work);
   DiskDone Do(const WritePiece& work);
   DiskDone Do(const CloseUpload& work);

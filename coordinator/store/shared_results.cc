@@ -36,31 +36,48 @@ SharedResults::Version SharedResults::VersionOf(const std::filesystem::path& pat
           about.st_ctim.tv_nsec};
 }
 
-Result<SharedResult> SharedResults::Read(const std::filesystem::path& path) {
+SharedResults::Loaded SharedResults::Load(const std::filesystem::path& path) {
+  Loaded loaded;
+  loaded.path = path;
+  loaded.version = VersionOf(path);
+  Result<BlobFile> file = ReadStoredFile(path);
+  loaded.status = file.status();
+  if (!file.ok()) return loaded;
+  loaded.blob = std::make_shared<const Blob>(std::move(file).value().blob);
+  loaded.hash = loaded.blob->ContentHash();
+  loaded.result = loaded.blob->Without("provenance/").ContentHash();
+  return loaded;
+}
+
+void SharedResults::Keep(const Loaded& loaded) {
+  if (entries_.size() >= kMostRemembered)
+    std::erase_if(entries_, [](const auto& entry) { return entry.second.blob.expired(); });
+  entries_[loaded.path] = {loaded.version, loaded.status, loaded.blob,
+                           loaded.hash,    loaded.result, loaded.blob ? loaded.blob->ByteCount() : 0};
+}
+
+void SharedResults::ForgetFailures() {
+  std::erase_if(entries_, [](const auto& entry) { return !entry.second.status.ok(); });
+}
+
+Result<SharedResult> SharedResults::Get(const std::filesystem::path& path) const {
   const Version version = VersionOf(path);
+  if (version == Version{}) return Status(Code::kNotFound, path.string() + ": nothing is there");
   const auto known = entries_.find(path);
-  BlobPtr blob =
-      known != entries_.end() && known->second.version == version ? known->second.blob.lock() : nullptr;
-  if (blob == nullptr) {
-    Result<BlobFile> file = ReadStoredFile(path);
-    if (!file.ok()) return file.status();
-    blob = std::make_shared<const Blob>(std::move(file).value().blob);
-    if (entries_.size() >= kMostRemembered)
-      std::erase_if(entries_, [](const auto& entry) { return entry.second.blob.expired(); });
-    entries_[path] = {version, blob, blob->ContentHash(), blob->Without("provenance/").ContentHash(),
-                      blob->ByteCount()};
-  }
-  const Entry& entry = entries_.at(path);
+  if (known == entries_.end() || known->second.version != version)
+    return Status(Code::kBusy, path.string() + ": has yet to be read");
+  const Entry& entry = known->second;
+  if (!entry.status.ok()) return entry.status;
+  const BlobPtr blob = entry.blob.lock();
+  if (blob == nullptr) return Status(Code::kBusy, path.string() + ": has yet to be read");
   Result<BlobPtr> held = HeldByItsArrays(blob);
   if (!held.ok()) return held.status();
   return SharedResult{{entry.hash, std::move(held).value()}, entry.result};
 }
 
 bool SharedResults::IsAtHand(const std::filesystem::path& path) const {
-  const Version version = VersionOf(path);
-  const auto known = entries_.find(path);
-  return version == Version{} ||
-         (known != entries_.end() && known->second.version == version && !known->second.blob.expired());
+  const Result<SharedResult> got = Get(path);
+  return got.ok() || got.status().code() != Code::kBusy;
 }
 
 std::uint64_t SharedResults::Bytes(const std::filesystem::path& path) const {

@@ -102,6 +102,11 @@ void AddCoordinator(Command app, Invocation& call) {
           },
           "Largest message, blobs included (4096)")
       .Within(1, 1'000'000);
+  command
+      .AddTaking<std::uint64_t>(
+          "--unread-mb", [&service](const std::uint64_t& mb) { service.sent_bytes = mb << 20; },
+          "Results and inputs that clients have yet to read, at most; a quarter of it for one key (256)")
+      .Within(1, 1'000'000);
   command.Add("--checkpoint-interval", service.checkpoint_interval_s, "Seconds between checkpoints of a job")
       .Within(0.0, 3600.0)
       .ShowDefault();

@@ -93,10 +93,13 @@ class FakeTransport : public Transport {
       if (!swallow(message.envelope.assign())) Come(peer, Answer(message.envelope.assign()), users[peer]);
       return true;
     }
+    if (deaf.contains(peer))
+      for (const wire::NamedBlob& named : message.blobs) unsent[peer] += named.blob->ByteCount();
     sent.emplace_back(peer, std::move(message));
     return true;
   }
   std::map<std::string, std::size_t> unsent;  // by peer
+  std::set<std::string> deaf;                 // peers that read no blobs
   std::size_t Unsent(const std::string& peer) const override {
     const auto found = unsent.find(peer);
     return found == unsent.end() ? 0 : found->second;
@@ -104,7 +107,8 @@ class FakeTransport : public Transport {
   void Drop(const std::string& peer) override { dropped.insert(peer); }
   std::vector<wire::Refusal> TakeRefusals() override { return std::exchange(door, {}); }
   wire::Traffic TotalTraffic() const override { return {}; }
-  void Wake() override {}
+  std::mutex wake;  // whoever holds it stops the writing thread when that has something to tell
+  void Wake() override { const std::lock_guard lock(wake); }
 
  private:
   wire::Message Answer(const wire::Assign& assign) const {
@@ -162,6 +166,8 @@ class ServerFixture {
   bool serves = false;  // opens the store as a service does
   std::function<void(const wire::JobInfo&)> job_ended;
   std::uint64_t store_limit_bytes = 0;
+  double stalled_s = ServerOptions().stalled_s;
+  std::uint64_t fetched_bytes = ServerOptions().fetched_bytes;
   double keep_s = 0;
   std::filesystem::path store_dir;  // empty: within temp
 
@@ -178,6 +184,8 @@ class ServerFixture {
     options.drains = drains;
     options.job_ended = job_ended;
     options.store_limit_bytes = store_limit_bytes;
+    options.stalled_s = stalled_s;
+    options.fetched_bytes = fetched_bytes;
     options.core.keep_s = keep_s;
     options.result_path = [this](const std::string& job, const std::string& stage) {
       return temp.path() / "results" / job / (stage + ".h5");
