@@ -41,16 +41,21 @@ Perception PerceptionIn(const Inputs& inputs, const MapRules& rules) {
 }
 
 // What the next E-step of each robot should cost: what the last one did, or, of a robot that joins (or whose
-// start becomes unknown as others do), what a search of the whole map takes.
+// start becomes unknown as others do, or who is found anew), what a search of the whole map takes; no more
+// than any step takes of one that starts near where it was.
 std::vector<double> NextWork(const RoundSum& sum, const Schedule& done, const Schedule& next,
-                             const std::vector<std::int64_t>& steps, bool gauge_free,
-                             const EStepModel& model) {
+                             const RobotStates& robot_states, bool gauge_free, const EStepModel& model) {
+  const std::vector<std::int64_t>& steps = robot_states.step_counts;
   const std::int64_t placed = gauge_free && next.robots > done.robots ? 0 : done.robots;
   std::vector<double> work;
   for (std::size_t r = 0; r < steps.size(); ++r) {
     const int count = StepsInUse(next, steps[r]);
-    work.push_back(static_cast<std::int64_t>(r) < placed ? sum.WorkOf(r) * count / StepsInUse(done, steps[r])
-                                                         : WorkWhereLost(count, model));
+    const bool is_lost =
+        static_cast<std::int64_t>(r) >= placed || (done.StartsNearby(r) && !next.StartsNearby(r));
+    work.push_back(is_lost ? WorkWhereLost(count, model)
+                           : sum.WorkOf(r) * count / StepsInUse(done, steps[r]));
+    if (next.StartsNearby(r) && !done.StartsNearby(r))
+      work[r] = std::min(work[r], robot_states.sharp[r] * count);
   }
   return work;
 }
@@ -269,8 +274,8 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
   }
   const Schedule next =
       done.Next(options, static_cast<std::int64_t>(robots.size()), sum.log_likelihood(), sum.counts().Sum());
-  robot_states.work = NextWork(sum, done, next, robot_states.step_counts, settings.gauge_free,
-                               settings.Model(&m_step.perception));
+  robot_states.work =
+      NextWork(sum, done, next, robot_states, settings.gauge_free, settings.Model(&m_step.perception));
   robot_states.landmarks = std::ssize(m_step.landmarks);
   cairn::Step step;
   std::map<std::string, Blob> fresh{{"history", history},
@@ -279,6 +284,10 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
                                     {"path", BlobOf(sum.path())},
                                     {"landmarks", BlobOf(m_step.landmarks)}};
   if (inputs.Has("search")) fresh["search"] = *inputs.Get("search");
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const std::vector<StartBox> start = sum.StartOf(r);
+    if (next.StartsNearby(r) && !start.empty()) fresh[StartNear(r)] = BlobOf(start);
+  }
   if (next.is_apart()) TakeMapsWithout(state, settings, robots.size(), partials, &fresh);
   PlanGuesses(options, sum, left, next, &robot_states, &fresh, step.plan.mutable_state());
   PlanRound(options, robots, next, robot_states, fresh, &step);

@@ -14,9 +14,11 @@ namespace cairn::landmark_map {
 namespace {
 
 constexpr double kCellMb = sizeof(double) / 1e6;
-// What EM does, of simulated worlds: its iterations on all data until the first robot has settled, those of
-// all robots, in each of which those that start anywhere look for themselves, and the rounds at the end.
-constexpr double kUsualIterations = 5.0, kJoinedIterations = 4.0, kLastRounds = 2.0;
+// What EM does, of simulated worlds: its iterations on all data until the first robot has settled, those on a
+// finer grid than the search's, those of all robots, those after they were found apart, and the rounds at the
+// end.
+constexpr double kUsualIterations = 5.0, kOnFinerGrid = 4.0, kJoinedIterations = 4.0, kMoreAfterApart = 3.0,
+                 kLastRounds = 2.0;
 constexpr double kUsualWaves = 2.0, kRefits = 8.0, kNewStarts = 3.0;  // of the search; candidates a wave
 constexpr double kTask_s = 2e-3;                                      // of each, whatever its size
 constexpr double kSaved_s = 0.25;  // of a round: in a shorter one partials are not saved
@@ -87,12 +89,17 @@ double PlacesWhereLost(const RobotSteps& steps, const Settings& settings,
   return CellsWhereLost(steps, settings.Model(nullptr), std::min(std::hypot(observed, edge), whole));
 }
 
-double StepsLost(const RobotSteps& steps) { return std::min(kStepsLost, static_cast<double>(steps.size())); }
+// Ranges and bearings without names tell sooner than contact detections do where a robot is.
+double StepsLost(const RobotSteps& steps, const Settings& settings) {
+  constexpr double kAtADistance = 4.0;  // 2.5 to 4
+  const bool soon = settings.gauge_free && steps.observations.size() >= kTellAPose;
+  return std::min(soon ? kAtADistance : kStepsLost, static_cast<double>(steps.size()));
+}
 
 // A robot that may be anywhere: every heading of these places, and a slice holds a step at least.
 Slices SlicesWhereLost(double places, const RobotSteps& steps, const Settings& settings, double slice_work) {
   const double step = places * settings.map.grid.headings;
-  const double all = StepsLost(steps) * step, tables = std::clamp(slice_work, step, all);
+  const double all = StepsLost(steps, settings) * step, tables = std::clamp(slice_work, step, all);
   return {tables, step, (all / tables - 1.0) * step, all / tables * places};
 }
 
@@ -117,6 +124,14 @@ Box GrownByRadius(const Box& box, const MapRules& rules) {
   return box.Grown(static_cast<int>(std::ceil(rules.radius_m / rules.grid.cell_m)));
 }
 
+// The same place where an edge has so many times as many cells.
+Box OnFiner(const Box& box, double times) {
+  const auto scaled = [&](std::int32_t cells) {
+    return static_cast<std::int32_t>(std::lround(times * cells));
+  };
+  return {scaled(box.x0), scaled(box.y0), scaled(box.nx), scaled(box.ny)};
+}
+
 Box BoxOf(const LayeredGrid& grid) {
   Box box;
   for (const Layer& layer : grid.layers) box = Union(box, layer.box);
@@ -132,6 +147,20 @@ double VisitsFrom(Schedule schedule, const Options& options, int steps) {
     visits += StepsInUse(schedule, steps);
   }
   return visits + std::min(kUsualIterations, static_cast<double>(options.iterations)) * steps;
+}
+
+double JoinedIterations(const Options& options, const Schedule& schedule) {
+  const double apart = schedule.apart > 0 ? static_cast<double>(schedule.apart) + kMoreAfterApart : 0.0;
+  return std::min(std::max(kJoinedIterations, apart), 1.0 + static_cast<double>(options.iterations));
+}
+
+// Of those, the ones in which a robot that may start anywhere looks for itself.
+double RoundsLost(Schedule schedule, std::size_t robot, std::size_t robots, double joined) {
+  schedule.robots = static_cast<std::int64_t>(robots);
+  double lost = 0.0;
+  for (schedule.settled = 0; static_cast<double>(schedule.settled) < joined; ++schedule.settled)
+    lost += schedule.StartsNearby(robot) ? 0.0 : 1.0;
+  return lost;
 }
 
 double WavesOf(const Options& options, const std::vector<cairn::Step>& starts) {
@@ -197,8 +226,9 @@ void Estimate::Store(State* state) const {
   scalars["expected/store_mb"].set_d(store_mb);
 }
 
-Estimate EstimateJob(const Options& options, const Settings& settings, const std::vector<RobotSteps>& robots,
+Estimate EstimateJob(const Options& options, const OnGrid& search, const OnGrid& last,
                      const std::vector<cairn::Step>& starts, const Perception* given) {
+  const auto& [settings, robots] = search;
   const EStepModel model = settings.Model(nullptr);
   int used = 0;  // steps, in the first round of some start
   for (const cairn::Step& start : starts)
@@ -218,39 +248,53 @@ Estimate EstimateJob(const Options& options, const Settings& settings, const std
   }
   const bool only_round = options.iterations == 0;
   estimate.rounds = only_round ? 1.0 : (1.0 + RoundsLater(starts[0].plan)) * (1.0 + WavesOf(options, starts));
-  const auto step_s = [&](const RobotSteps& robot) {
-    return 1e-9 * CellNanoseconds(robot, model, true) * WorkOfStep(robot, model);
+  const auto step_s = [](const RobotSteps& robot, const EStepModel& on) {
+    return 1e-9 * CellNanoseconds(robot, on, true) * WorkOfStep(robot, on);
   };
   const double first_round_s = 1e-9 * CellNanoseconds(robots[0], model, false) * estimate.cells;
-  estimate.seconds = SecondsOfSearch(options, robots[0], first_round_s, step_s(robots[0]), starts);
-  const double joined = std::min(kJoinedIterations, 1.0 + static_cast<double>(options.iterations));
+  estimate.seconds = SecondsOfSearch(options, robots[0], first_round_s, step_s(robots[0], model), starts);
+  const Schedule schedule = Schedule::Load(starts[0].plan.state());
+  const double joined = JoinedIterations(options, schedule);
+  const bool finer = last.settings.map.grid.cell_m < settings.map.grid.cell_m;
+  const EStepModel last_model = last.settings.Model(nullptr);
   for (std::size_t r = 0; r < robots.size() && !only_round; ++r) {
-    const double rounds = kLastRounds + (r > 0 ? joined : 0.0);
-    estimate.seconds += rounds * (robots[r].size() * step_s(robots[r]) + kTask_s);
+    const RobotSteps& robot = last.robots[r];
+    const double alone = r == 0 && finer ? kOnFinerGrid : 0.0;
+    const double rounds = kLastRounds + alone + (robots.size() > 1 ? joined : 0.0);
+    estimate.seconds += rounds * (robot.size() * step_s(robot, last_model) + kTask_s);
   }
   const Slices slices = CutIntoSlices(first, options.incremental ? HUGE_VAL : slice_work);
   estimate.task_mb = TaskMb(slices, counts);
   const auto candidates = static_cast<double>(starts.size());
   double partials = candidates * PartialsMb(slices, layers), partials_where_lost = 0.0;
   double largest = slices.step;
+  // Robots join on the grid on which EM ends.
+  const double cells = settings.map.grid.cell_m / last.settings.map.grid.cell_m;
   std::map<std::int32_t, Box> seen;
   if (given == nullptr) seen = SeenFrom(robots[0], first, settings.map.types);
+  for (auto& [type, from] : seen) from = OnFiner(from, cells);
   const auto map = static_cast<double>(
-      (given != nullptr ? BoxOf(given->likelihood) : GrownByRadius(reach, settings.map)).cells());
+      (given != nullptr ? BoxOf(given->likelihood) : GrownByRadius(OnFiner(reach, cells), last.settings.map))
+          .cells());
   // The first one's frame is loose once others join.
   const bool all_anywhere = options.start == "anywhere" || (settings.gauge_free && robots.size() > 1);
-  double lost_round_s = 0.0, lost_rounds = joined;
+  const bool few = std::ranges::any_of(
+      robots, [](const RobotSteps& robot) { return robot.observations.size() < kTellAPose; });
+  double lost_round_s = 0.0;
   for (std::size_t r = all_anywhere ? 0 : 1; r < robots.size(); ++r) {
-    const double places = PlacesWhereLost(robots[r], settings, seen, map);
-    const Slices lost = SlicesWhereLost(places, robots[r], settings, slice_work);
+    const RobotSteps& robot = last.robots[r];
+    const double places = PlacesWhereLost(robot, last.settings, seen, map);
+    const Slices lost = SlicesWhereLost(places, robot, last.settings, slice_work);
     estimate.task_mb = std::max(estimate.task_mb, TaskMb(lost, counts));
     largest = std::max(largest, lost.step);
-    if (robots[r].observations.size() < kTellAPose)
-      lost_rounds = 1.0 + static_cast<double>(options.iterations);
-    lost_round_s += 1e-9 * CellNanoseconds(robots[r], model, false) * StepsLost(robots[r]) * lost.step;
+    const double round_s =
+        1e-9 * CellNanoseconds(robot, last_model, false) * StepsLost(robot, last.settings) * lost.step;
+    lost_round_s += round_s;
+    estimate.seconds += (few ? 1.0 + static_cast<double>(options.iterations)
+                             : RoundsLost(schedule, r, robots.size(), joined)) *
+                        round_s;
     partials_where_lost += PartialsMb(lost, layers);
   }
-  estimate.seconds += lost_rounds * lost_round_s;
   const double ahead =
       std::min(std::max(partials, partials_where_lost), kAhead * kFilled * kCellMb * largest);
   partials = std::max(partials, partials_where_lost);

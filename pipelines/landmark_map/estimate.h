@@ -25,9 +25,15 @@ struct Estimate {
   void Store(State* state) const;
 };
 
-// `robots`: the steps of each; `starts`: the first round of each candidate; `given`: of the map that EM
-// starts from, if any.
-Estimate EstimateJob(const Options& options, const Settings& settings, const std::vector<RobotSteps>& robots,
+// A grid's settings, and each robot's steps on it.
+struct OnGrid {
+  const Settings& settings;
+  const std::vector<RobotSteps>& robots;
+};
+
+// `search`: the grid on which the first robot's map is found; `last`: the one on which EM ends; `starts`: the
+// first round of each candidate; `given`: of the map that EM starts from, if any.
+Estimate EstimateJob(const Options& options, const OnGrid& search, const OnGrid& last,
                      const std::vector<cairn::Step>& starts, const Perception* given = nullptr);
 
 // For people, one line.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pipelines/landmark_map/landmark_map.h"
+#include "pipelines/landmark_map/round.h"
 #include "pipelines/landmark_map/testing.h"
 #include "pipelines/testing/in_process.h"
 #include "schema/kinds/landmark_map.h"
@@ -167,6 +168,31 @@ TEST(SecondRobots, WithoutRefinementTheNamesThatAreMissingAreSaid) {
                                    {{"log", TwoOfWhichTheSecondComesFromElsewhere()}});
   ASSERT_TRUE(map->Has("missing_landmarks"));
   for (const std::int32_t name : map->Get<std::int32_t>("missing_landmarks")) EXPECT_GE(name, kPosts);
+}
+
+// What a search of the whole map is taken to move, and what was counted of the third round of all, in which
+// both robots start near where they were. The job goes no further.
+TEST(Schedule, RobotsThatWereFoundMoveFarFewerCellsThanASearchOfTheWholeMap) {
+  struct Enough {};
+  std::vector<double> lost(2), found(2);
+  const auto look = [&](const proto::Step& plan) {
+    const State& state = plan.state();
+    if (!state.scalars().contains("robots")) return;  // of a search
+    const Schedule schedule = Schedule::Load(state);
+    if (schedule.robots < 2) return;
+    const RobotStates robots = RobotStates::Load(state, 2);
+    if (schedule.settled == 0) lost = robots.work;
+    if (schedule.settled < 3) return;
+    found = robots.work;
+    throw Enough();
+  };
+  const Blob log = LogOf({{"one", Rounds(1, 1).Make()}, {"other", Rounds(1, 2).Make()}});
+  const LandmarkMap pipeline({.starts = 2, .waves = 0});
+  EXPECT_THROW(RunInProcess(pipeline, {{"log", std::make_shared<const Blob>(log)}}, look), Enough);
+  for (const std::size_t r : {0U, 1U}) {
+    EXPECT_GT(found[r], 0.0);
+    EXPECT_LT(found[r], 0.1 * lost[r]) << r;
+  }
 }
 
 FirstRobotTrials RoundTripped(const FirstRobotTrials& trials, cairn::Step* step) {

@@ -42,6 +42,14 @@ bool SearchIsOver(const State& state) {
   return next.summarises() || next.robots > 1;
 }
 
+std::vector<RobotSteps> AllStepsOn(const Settings& settings, const Blob& blob) {
+  const auto log = Read<kinds::Log>(blob);
+  std::vector<RobotSteps> steps;
+  for (std::size_t r = 0; r < log.robot.size(); ++r)
+    steps.push_back(MakeSteps(log.robot[r], log.robots[r], settings.steps, nullptr));
+  return steps;
+}
+
 // How many times as many cells beliefs have on the one grid as on the other.
 double FinerBy(const Settings& fine, const Settings& coarse) {
   const GridSpec &after = fine.map.grid, &before = coarse.map.grid;
@@ -78,13 +86,13 @@ cairn::Step LandmarkMap::Start(const Inputs& inputs) const {
 cairn::Step LandmarkMap::StartFrom(const Inputs& inputs, std::size_t trials) const {
   const BlobPtr log = inputs.Get("log");
   const Options search = inputs.Has("map") ? options_ : ForSearch(options_, *log);
-  if (search.cell_m != options_.cell_m) {  // the search tells nothing of what the finer grid takes
-    const Settings fine = Resolve(options_, *log);
-    RequireMemory("the M-step", kMStepTables * sizeof(double) * fine.places, fine.memory_mb);
-  }
   const InitialState initial = MakeInitialState(search, inputs);
   const Settings& settings = initial.settings;
-  const double finer = search.cell_m != options_.cell_m ? FinerBy(Resolve(options_, *log), settings) : 0.0;
+  const bool on_finer = search.cell_m != options_.cell_m;
+  const Settings fine = on_finer ? Resolve(options_, *log) : settings;
+  if (on_finer)  // the search tells nothing of what the finer grid takes
+    RequireMemory("the M-step", kMStepTables * sizeof(double) * fine.places, fine.memory_mb);
+  const double finer = on_finer ? FinerBy(fine, settings) : 0.0;
   const std::vector<std::string> robots = log->Texts("robots");
   std::vector<cairn::Step> starts(1);
   std::vector<RobotSteps> steps;
@@ -106,8 +114,9 @@ cairn::Step LandmarkMap::StartFrom(const Inputs& inputs, std::size_t trials) con
     search.Put("why", Array::Text(ChooseStarts(options_, *log).why));
     (*starts[0].plan.mutable_state()->mutable_blobs())["search"] = starts[0].Share(std::move(search));
   }
-  Estimate estimate =
-      EstimateJob(options_, settings, steps, starts, initial.perception ? &*initial.perception : nullptr);
+  const Perception* given = initial.perception ? &*initial.perception : nullptr;
+  Estimate estimate = EstimateJob(options_, {settings, steps},
+                                  {fine, on_finer ? AllStepsOn(fine, *log) : steps}, starts, given);
   estimate.rounds *= static_cast<double>(trials);
   estimate.seconds *= static_cast<double>(trials);
   RequireMemory("a task", 1e6 * estimate.task_mb, settings.memory_mb);

@@ -12,7 +12,7 @@ namespace cairn::landmark_map {
 namespace {
 
 // What is usual: iterations on all data of the first robot and of all, of a refit; maps that are refined.
-constexpr std::int64_t kIterationsToCome = 5, kJoinedToCome = 5;
+constexpr std::int64_t kIterationsToCome = 5, kJoinedToCome = 5, kAfterApart = 3;
 constexpr double kRefitIterations = 4.0, kFinerIterations = 4.0, kRefined = 0.7;
 constexpr const char* kCost = "cost";
 
@@ -36,11 +36,15 @@ class StepCost {
       const auto steps = static_cast<double>(joined ? StepsInUse(now, robot_states.step_counts[r])
                                                     : robot_states.step_counts[r]);
       us_.push_back(kBackwardUs * robot_states.work[r] / steps);
+      nearby_us_.push_back(kBackwardUs * robot_states.sharp[r]);
       sharp_us_.push_back(StartsAnywhere(options, r) ? us_[r]
                                                      : std::min(us_[r], kBackwardUs * robot_states.sharp[r]));
     }
   }
-  double operator[](std::size_t robot) const { return us_[robot]; }
+  // In an E-step of such a schedule.
+  double Of(const Schedule& schedule, std::size_t robot) const {
+    return schedule.StartsNearby(robot) ? std::min(us_[robot], nearby_us_[robot]) : us_[robot];
+  }
   void Next(bool all_sharp) {
     constexpr double kNarrower = 0.5;
     for (std::size_t r = 0; r < us_.size(); ++r)
@@ -48,13 +52,13 @@ class StepCost {
   }
 
  private:
-  std::vector<double> us_, sharp_us_;
+  std::vector<double> us_, sharp_us_, nearby_us_;
 };
 
 double CostOf(const Schedule& schedule, const StepCost& step_us, const RobotStates& robot_states) {
   double cost = schedule.summarises() ? 0.0 : kMStepUs;
   for (std::size_t r = 0; r < static_cast<std::size_t>(schedule.robots); ++r)
-    cost += step_us[r] * StepsInUse(schedule, robot_states.step_counts[r]);
+    cost += step_us.Of(schedule, r) * StepsInUse(schedule, robot_states.step_counts[r]);
   return cost;
 }
 
@@ -191,7 +195,8 @@ void ExpectEm(const Options& options, const Schedule& now, const RobotStates& ro
   Sum alone, all;
   for (Schedule s = now; !s.summarises();) {
     Options usual = options;
-    const std::int64_t iterations = s.robots < robots || robots == 1 ? kIterationsToCome : kJoinedToCome;
+    const std::int64_t joined_to_come = s.apart > 0 ? s.apart + kAfterApart : kJoinedToCome;
+    const std::int64_t iterations = s.robots < robots || robots == 1 ? kIterationsToCome : joined_to_come;
     usual.iterations = std::min(options.iterations, std::max(iterations, s.settled + 1));
     const bool joined = s.robots > now.robots;  // the others have found themselves
     s = s.Next(usual, robots, 0.0, 0.0);

@@ -128,6 +128,8 @@ class RoundPlanner {
       task.Read("perception");
     if (schedule_.summarises()) task.Read("landmarks");
     if (!chain.guessed.empty()) task.Read("guesses", kGuesses + std::to_string(chain.robot));
+    const std::string start = StartNear(chain.robot);
+    if (before == kNone && plan_->state().blobs().contains(start)) task.Read("start", start);
     if (before != kNone) task.ReadPartial("before", before);
     if (beta != kNone) task.ReadPartial("beta", beta);
     if (guess != kNone) task.ReadPartial("guess", guess);
@@ -164,6 +166,7 @@ class RoundPlanner {
 }  // namespace
 
 std::string TaskWithout(std::size_t robot) { return "task_without/" + std::to_string(robot); }
+std::string StartNear(std::size_t robot) { return "near/" + std::to_string(robot); }
 std::string PerceptionWithout(std::size_t robot) { return "perception_without/" + std::to_string(robot); }
 
 Blob StoredCounts(const LayeredGrid& counts) {

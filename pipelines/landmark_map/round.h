@@ -43,6 +43,9 @@ bool LeavesTables(const Options& options, const Schedule& schedule);
 std::string TaskWithout(std::size_t robot);
 std::string PerceptionWithout(std::size_t robot);
 
+// State blob: where the round before had a robot at its first step (rows of StartBox), near which it starts.
+std::string StartNear(std::size_t robot);
+
 // What a task is told of its robot's odometry.
 OdometryFit OdometryOf(const Task& task);
 

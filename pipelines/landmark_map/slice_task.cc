@@ -13,6 +13,7 @@
 #include "pipelines/landmark_map/initial_state.h"
 #include "pipelines/landmark_map/model/e_step.h"
 #include "pipelines/landmark_map/round.h"
+#include "pipelines/landmark_map/state/nearby_start.h"
 #include "pipelines/landmark_map/state/partial.h"
 #include "pipelines/landmark_map/state/speculation.h"
 
@@ -128,7 +129,21 @@ class SliceTask {
   std::int64_t Overlap() const { return IntegerOf(task_, "overlap", 0, kMostSteps); }
 
   LayeredGrid AtTheStart() const {
-    return anywhere_ ? UniformStart(model_, slice_) : DiracStart(model_.grid);
+    if (!anywhere_) return DiracStart(model_.grid);
+    if (!inputs_.Has("start")) return UniformStart(model_, slice_);
+    const auto start = RowsIn<StartBox>(*inputs_.Get("start"));
+    CheckStart(start, std::int64_t{robot_} + 1, model_.grid.headings);
+    return UniformOver(Nearby(StartBoxes(model_, slice_), start, settings_.map));
+  }
+
+  // What a start within `before` adds to the log-likelihood. Where the frame lies is nobody's luck: what fits
+  // as well in it as in the origin's is as likely. Of others all places count, those that the round before
+  // has ruled out, too.
+  double OfTheStart(const LayeredGrid& before) const {
+    if (!anywhere_) return 0.0;
+    double among = 0.0;
+    for (const Box& box : StartBoxes(model_, slice_)) among += static_cast<double>(box.cells());
+    return std::log(static_cast<double>(before.cells()) / (gauge_free_ ? 1.0 : among));
   }
 
   // alpha before the slice's first step.
@@ -190,16 +205,14 @@ class SliceTask {
     PartialBuilder builder(settings_, slice_, robot_, summarise ? &landmarks : nullptr,
                            NoCounts(settings_.map));
     if (options_.beliefs) builder.KeepBeliefs();
+    if (anywhere_ && Param("joint").b()) builder.KeepStart();
     const Visitor visitor = CountingIn(&builder, sizeof(double) * static_cast<double>(alphas.Cells()));
     beta = options_.revise
                ? landmark_map::Backward(model_, slice_, alphas, before, std::move(beta), progress, visitor)
                : ForwardOnly(slice_, alphas, before, visitor);
     Blob partial = builder.Finish(alphas);
-    // Where the frame lies is nobody's luck: what fits as well in it as in the origin's is as likely.
-    if (gauge_free_ && slice_.first == 0) {
-      const double starts = static_cast<double>(before.cells());
-      partial.PutScalar<double>("log_likelihood", alphas.log_likelihood + std::log(starts));
-    }
+    if (slice_.first == 0)
+      partial.PutScalar<double>("log_likelihood", alphas.log_likelihood + OfTheStart(before));
     if (slice_.first > 0) beta.StoreSparse("beta/", &partial);
     PutWarm(alphas, before, &partial);
     return partial;

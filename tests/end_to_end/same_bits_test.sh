@@ -11,7 +11,7 @@ for workers in 2 3 5; do
 done
 
 # A worker is killed as soon as there is one; the run goes on.
-"${map[@]}" log.h5 --out killed --workers 3 >background.out 2>background.err &
+"${map[@]}" log.h5 --out killed --workers 3 >stdout 2>stderr &
 run=$!
 until_true 20 pgrep -P "$run" -f cairn-worker >/dev/null
 kill -9 "$(pgrep -P "$run" -f cairn-worker | head -n 1)" 2>/dev/null || true

@@ -185,7 +185,7 @@ int MotionMargin(const EStepModel& model, const RobotSteps& steps, int step) {
   return static_cast<int>(std::ceil(astray_m / model.grid.cell_m));
 }
 
-LayeredGrid UniformStart(const EStepModel& model, const Slice& slice) {
+std::vector<Box> StartBoxes(const EStepModel& model, const Slice& slice) {
   CAIRN_DEMAND(model.perception != nullptr, "a robot that starts anywhere needs a map");
   const RobotSteps& steps = slice.steps;
   int step = 0, known = 0;  // the first observation that the map can place
@@ -196,7 +196,7 @@ LayeredGrid UniformStart(const EStepModel& model, const Slice& slice) {
     Refuse(slice, 0, "the map holds nothing of what the robot saw: it cannot be placed");
   while (steps.first_observation[step + 1] <= known) ++step;
   const int margin = MotionMargin(model, steps, step);
-  LayeredGrid belief;
+  std::vector<Box> boxes;
   for (int c = 0; c < model.grid.headings; ++c) {
     const double angle = c * 2.0 * std::numbers::pi / model.grid.headings;
     const double dx = steps.odo_x_m[step] - steps.odo_x_m[0], dy = steps.odo_y_m[step] - steps.odo_y_m[0];
@@ -206,13 +206,25 @@ LayeredGrid UniformStart(const EStepModel& model, const Slice& slice) {
       return static_cast<int>(std::lround(distance_m / model.grid.cell_m));
     };
     const Box places = PlacesThatSee(steps.observations[known], model.grid, *model.perception, c);
-    Layer layer(places.Shifted(-cells(x), -cells(y)).Grown(margin));
+    boxes.push_back(places.Shifted(-cells(x), -cells(y)).Grown(margin));
+  }
+  return boxes;
+}
+
+LayeredGrid UniformOver(const std::vector<Box>& boxes) {
+  LayeredGrid belief;
+  for (const Box& box : boxes) {
+    Layer layer(box);
     // [TBF98] section 8: a robot whose start is unknown may be anywhere.
     layer.values.assign(layer.values.size(), 1.0);
     belief.layers.push_back(std::move(layer));
   }
   belief.Scale(1.0 / belief.Sum());
   return belief;
+}
+
+LayeredGrid UniformStart(const EStepModel& model, const Slice& slice) {
+  return UniformOver(StartBoxes(model, slice));
 }
 
 LayeredGrid UniformBeta(const LayeredGrid& support) {

@@ -70,6 +70,10 @@ struct Frontier {
 LayeredGrid DiracStart(const GridSpec& grid);
 LayeredGrid UniformStart(const EStepModel& model, const Slice& slice);
 
+// Both halves of UniformStart: the places under each heading, and a belief spread evenly over such boxes.
+std::vector<Box> StartBoxes(const EStepModel& model, const Slice& slice);
+LayeredGrid UniformOver(const std::vector<Box>& boxes);
+
 // By how many cells odometry may have led a robot astray from step 0 to `step`, at most: so much wider than
 // the places that see the observation is UniformStart.
 int MotionMargin(const EStepModel& model, const RobotSteps& steps, int step);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <string>
 
@@ -40,6 +41,7 @@ void PartialBuilder::Add(int step, const LayeredGrid& belief) {
     const Point mean = MeanPosition(belief, settings_.map.grid);
     path_.push_back({robot_, steps.time_s[static_cast<std::size_t>(step)], mean.x_m, mean.y_m});
   }
+  if (keeps_start_ && step == 0) start_ = SupportOf(belief, robot_);
   if (landmarks_ == nullptr) return;
   const auto at = static_cast<std::size_t>(step - slice_.first);
   poses_[at] = Summarise(belief, settings_.map.grid);
@@ -97,6 +99,7 @@ Blob PartialBuilder::Finish(const Alphas& alphas) const {
   partial.PutScalar<double>("work", alphas.work);
   PutFields("increments/", increments_, &partial);
   PutRows("path/", path_, &partial);
+  if (!start_.empty()) PutRows("start/", start_, &partial);
   partial.PutScalar<double>("first_path_m", slice_.steps.path_m[slice_.first]);
   partial.PutScalar<std::int32_t>("robot", robot_);
   partial.PutScalar<std::int32_t>("first", slice_.first);
@@ -220,6 +223,7 @@ void RoundSum::Add(const Blob& partial) {
   increments_[robot].Join(FieldsIn<IncrementSums>("increments/", partial), first_path_m_[robot]);
   first_path_m_[robot] = partial.Scalar<double>("first_path_m");
   if (partial.Has("path/robot")) AppendRows("path/", partial, &path_);
+  if (partial.Has("start/robot")) AppendRows("start/", partial, &start_);
   if (partial.Has("pose/x_m")) summaries_[robot].push_back(SummaryOf(partial));
   if (partial.Has("confirmed")) {
     ++guessed_[robot];
@@ -248,6 +252,7 @@ void RoundSum::Check() const {
   RequireAllWithin("work", work_, 0.0, kMostWork);
   RequireAllWithin("first_path_m", first_path_m_, 0.0, kFar_m);
   RequireAllWithin("slices that were guessed", guessed_, std::int64_t{0}, std::int64_t{1} << 40);
+  CheckStart(start_, std::ssize(work_), rules_.grid.headings);
   for (const PathPoint& at : path_) {
     RequireWithin("the robot of a path", std::int64_t{at.robot}, 0, std::ssize(work_) - 1);
     RequirePoses("a path", std::array{Pose{at.x_m, at.y_m, 0.0}});
@@ -255,6 +260,13 @@ void RoundSum::Check() const {
   }
   for (std::size_t r = 0; r < guessed_.size(); ++r)
     RequireWithin("slices that were guessed right", confirmed_[r], 0, guessed_[r]);
+}
+
+std::vector<StartBox> RoundSum::StartOf(std::size_t robot) const {
+  std::vector<StartBox> of;
+  std::ranges::copy_if(start_, std::back_inserter(of),
+                       [&](const StartBox& at) { return at.robot == static_cast<std::int32_t>(robot); });
+  return of;
 }
 
 std::vector<Blob> RoundSum::SummariesOf(std::size_t robot) const {

@@ -7,6 +7,7 @@
 #include "pipelines/landmark_map/landmarks/summary.h"
 #include "pipelines/landmark_map/model/e_step.h"
 #include "pipelines/landmark_map/model/odometry_fit.h"
+#include "pipelines/landmark_map/state/nearby_start.h"
 #include "pipelines/landmark_map/state/schedule.h"
 
 namespace cairn::landmark_map {
@@ -34,6 +35,8 @@ class PartialBuilder {
                  const std::vector<Landmark>* landmarks, LayeredGrid no_counts);
   // Beliefs too are part of the summary.
   void KeepBeliefs();
+  // Where the robot may have started is kept: start/… (a row a heading).
+  void KeepStart() { keeps_start_ = true; }
   // The belief of a step; the last step comes first.
   void Add(int step, const LayeredGrid& belief);
   // The motion increment that leads to a step, after the step's belief.
@@ -52,6 +55,8 @@ class PartialBuilder {
   const std::vector<Landmark>* landmarks_;
   LayeredGrid counts_;
   std::vector<PathPoint> path_;
+  bool keeps_start_ = false;
+  std::vector<StartBox> start_;
   std::vector<PoseSummary> poses_;         // [end - first]
   LayeredGrid beliefs_;                    // [end - first], or empty where they are not kept
   std::vector<std::int32_t> association_;  // per observation of the slice
@@ -99,6 +104,8 @@ class RoundSum {
   double WorkOf(std::size_t robot) const { return work_[robot]; }
   const std::vector<IncrementSums>& increments() const { return increments_; }  // per robot
   const std::vector<PathPoint>& path() const { return path_; }                  // in no order
+  // Where a robot may have started, of those whose start is kept.
+  std::vector<StartBox> StartOf(std::size_t robot) const;
   // Slices that were guessed, and those of them that were guessed right.
   std::int64_t guessed(std::size_t robot) const { return guessed_[robot]; }
   std::int64_t confirmed(std::size_t robot) const { return confirmed_[robot]; }
@@ -115,6 +122,7 @@ class RoundSum {
     field("confirmed", &RoundSum::confirmed_);
     field("first_path_m", &RoundSum::first_path_m_);
     field("path", &RoundSum::path_);
+    field("start", &RoundSum::start_);
   }
 
  private:
@@ -129,6 +137,7 @@ class RoundSum {
   std::vector<IncrementSums> increments_;
   std::vector<double> first_path_m_;  // per robot: distance travelled to the earliest step so far
   std::vector<PathPoint> path_;
+  std::vector<StartBox> start_;
   std::vector<std::vector<Blob>> summaries_;
   std::vector<std::int64_t> guessed_, confirmed_;  // per robot
 };

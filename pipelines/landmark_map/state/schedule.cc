@@ -26,6 +26,11 @@ Schedule Schedule::Load(const State& state, std::size_t all_robots) {
   return schedule;
 }
 
+bool Schedule::StartsNearby(std::size_t robot) const {
+  if (apart == 0 || robots < 2 || settled == 0) return false;
+  return robot == 0 || settled > apart + 1 || (robots == 2 && settled <= apart);
+}
+
 Schedule Schedule::Next(const Options& options, std::int64_t all_robots, double log_likelihood_now,
                         double observations) const {
   Schedule next = *this;

@@ -40,6 +40,11 @@ struct Schedule {
   bool is_apart() const { return phase == Phase::kMap && robots > 1 && settled >= 1 && settled <= apart; }
   // The next one may be.
   bool comes_before_apart() const { return phase == Phase::kMap && robots > 1 && settled < apart; }
+  // Where landmarks are seen at a distance and names do not say where robots are: once rounds before have
+  // found a robot anywhere it starts near where the last one had it. All but the first are found anew while
+  // they are apart, unless there are two, for the other one's map alone hardly changes; and in the map of all
+  // that comes then.
+  bool StartsNearby(std::size_t robot) const;
   void Store(State* state) const { PutScalars(*this, "", state); }
   // Throws InputError where it is none, or of more robots than there are: others made the State.
   static Schedule Load(const State& state, std::size_t all_robots = 1 << 30);

@@ -88,6 +88,26 @@ TEST(Schedule, RobotsAreApartWhereLandmarksAreSeenAtADistanceAndHaveNoNames) {
   EXPECT_EQ(IterationsApart(settings), 0);
 }
 
+// The first robot once it has been found anywhere; the others also once the map of all has told, for which
+// two need not be found anew in every map of one alone.
+TEST(Schedule, RobotsStartNearWhereTheyWereOnceTheyAreFound) {
+  const auto nearby = [](std::int64_t robots, std::size_t robot, std::int64_t apart) {
+    Schedule s{.robots = robots, .apart = apart};
+    std::vector<bool> rounds;
+    for (s.settled = 0; s.settled < 5; ++s.settled) rounds.push_back(s.StartsNearby(robot));
+    return rounds;
+  };
+  EXPECT_EQ(nearby(2, 0, 3), (std::vector<bool>{false, true, true, true, true}));
+  EXPECT_EQ(nearby(2, 1, 2), (std::vector<bool>{false, true, true, false, true}));
+  EXPECT_EQ(nearby(3, 0, 3), (std::vector<bool>{false, true, true, true, true}));
+  EXPECT_EQ(nearby(3, 2, 2), (std::vector<bool>{false, false, false, false, true}));
+  for (const std::size_t robot : {0U, 1U}) {
+    EXPECT_EQ(nearby(2, robot, 0), std::vector<bool>(5))
+        << "names say where it is, or a button is all it has";
+    EXPECT_EQ(nearby(1, robot, 3), std::vector<bool>(5)) << "alone";
+  }
+}
+
 TEST(StepsInUse, AtLeastOneAndAllForTheSummary) {
   Schedule s;
   s.prefix = 0.05;
