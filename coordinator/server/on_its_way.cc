@@ -18,6 +18,10 @@ void OnItsWay::Add(const std::string& peer, To to, const std::string& user, cons
   of.what = what;
 }
 
+void OnItsWay::AddAnswer(const std::string& peer, const std::string& user) {
+  if (transport_.Unsent(peer) > 0 && !peers_.contains(peer)) Add(peer, To::kQuestions, user, peer);
+}
+
 void OnItsWay::AddFetched(const std::string& worker, const std::string& fetch, std::uint64_t bytes,
                           bool copied) {
   Peer& of = PeerOf(worker);
@@ -55,7 +59,14 @@ std::uint64_t OnItsWay::Bytes(To to, const std::string& what) const {
 std::uint64_t OnItsWay::BytesOf(const std::string& user) const {
   std::uint64_t bytes = 0;
   for (const auto& [peer, of] : peers_)
-    if (of.user == user && of.to != To::kWorkers) bytes += transport_.Unsent(peer);
+    if (of.user == user && of.to != To::kWorkers && of.to != To::kQuestions) bytes += transport_.Unsent(peer);
+  return bytes;
+}
+
+std::uint64_t OnItsWay::AnswerBytesOf(const std::string& user) const {
+  std::uint64_t bytes = 0;
+  for (const auto& [peer, of] : peers_)
+    if (of.user == user && of.to == To::kQuestions) bytes += transport_.Unsent(peer);
   return bytes;
 }
 

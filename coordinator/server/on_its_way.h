@@ -14,8 +14,8 @@ namespace cairn::coordinator {
 
 class OnItsWay {
  public:
-  // Nobody takes what others may have.
-  enum class To { kWorkers, kUsers, kAdministrators };
+  // Nobody takes what others may have. kQuestions: answers without blobs, to whom no blobs are on their way.
+  enum class To { kWorkers, kUsers, kAdministrators, kQuestions };
 
   // `patience_s`: with a peer that takes nothing of what it asked for.
   OnItsWay(const Transport& transport, double patience_s) : transport_(transport), patience_s_(patience_s) {}
@@ -23,6 +23,8 @@ class OnItsWay {
   // After something was sent. `what`: of the same there is one copy, however many get it. `user`: whose
   // `peer` is; empty: nobody's.
   void Add(const std::string& peer, To to, const std::string& user, const std::string& what);
+  // The same of an answer without blobs, unless blobs are on their way to `peer`.
+  void AddAnswer(const std::string& peer, const std::string& user);
   // The same for a worker, which asked for it by `fetch`. `copied`: it is in memory for it alone.
   void AddFetched(const std::string& worker, const std::string& fetch, std::uint64_t bytes, bool copied);
   // Whether the answer to `fetch` is: its worker may have grown impatient.
@@ -30,7 +32,8 @@ class OnItsWay {
 
   // Bytes that are on their way to all of these but `what`, of the same once.
   std::uint64_t Bytes(To to, const std::string& what) const;
-  std::uint64_t BytesOf(const std::string& user) const;
+  std::uint64_t BytesOf(const std::string& user) const;        // of blobs
+  std::uint64_t AnswerBytesOf(const std::string& user) const;  // of answers without
   // Of copies for workers: as Look saw it, and what was added since.
   std::uint64_t copied_bytes() const { return copied_bytes_; }
 

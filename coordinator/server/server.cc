@@ -15,6 +15,8 @@ namespace {
 constexpr double kTick_s = 0.1;
 constexpr double kFetchesWait_s = 0.005;    // until it is seen who has read what was sent before
 constexpr std::size_t kLineBytes = 16'384;  // of the log
+// Over one connection: who waits for an answer before it asks again never has so much to read.
+constexpr std::size_t kMostUnreadAnswers = 1 << 20;
 
 }  // namespace
 
@@ -160,6 +162,13 @@ void Server::Receive(Incoming& incoming) {
   if (const std::string often = access_control_.WhyTooOften(incoming.user, envelope, Now()); !often.empty())
     return RefuseAsUnable(incoming.peer, wire::RefusalKind::kQuota, often);
   NoteWhoAsks(incoming.peer, incoming.user, envelope);
+  if (envelope.has_query() || envelope.has_workers() || envelope.has_have()) {
+    if (transport_.Unsent(incoming.peer) >= kMostUnreadAnswers) return;  // it asks again when it has read
+    if (const std::string much = WhyTooManyAnswers(incoming.user); !much.empty())
+      return RefuseAsUnable(incoming.peer, wire::RefusalKind::kQuota, much);
+    Take(incoming.peer, incoming.user, envelope, incoming.message.blobs);
+    return on_its_way_.AddAnswer(incoming.peer, incoming.user);
+  }
   Take(incoming.peer, incoming.user, envelope, incoming.message.blobs);
 }
 

@@ -165,6 +165,7 @@ class Server {
   bool WaitsForResults(const std::string& peer, const std::string& user, const wire::JobQuery& query);
   void TakeLoaded(const std::vector<SharedResults::Loaded>& loaded);
   std::uint64_t BytesOfResults(const Job& job) const;
+  std::string WhyTooManyAnswers(const std::string& user) const;
   std::string WhyTooMuchOnItsWay(const std::string& user, const std::string& what,
                                  std::uint64_t more_bytes) const;
   OnItsWay::To KindOfClient(const std::string& user) const;

@@ -156,6 +156,19 @@ std::string Server::WhyTooMuchOnItsWay(const std::string& user, const std::strin
   return "";
 }
 
+// Whoever asks and does not read. Administrators, who put that right, are not asked to wait.
+std::string Server::WhyTooManyAnswers(const std::string& user) const {
+  constexpr std::uint64_t kShare = 8;  // of what may be on its way
+  if (KindOfClient(user) == OnItsWay::To::kAdministrators) return "";
+  const std::uint64_t of_user = on_its_way_.AnswerBytesOf(user),
+                      of_all = on_its_way_.Bytes(OnItsWay::To::kQuestions, "");
+  if (of_user > options_.sent_bytes / kShare)
+    return BytesText(of_user) + " of answers to " + access_control_.NameOf(user) +
+           " are not read yet; try again when they are";
+  if (of_all > options_.sent_bytes) return BytesText(of_all) + " of answers are not read yet; try again";
+  return "";
+}
+
 std::uint64_t Server::BytesOfResults(const Job& job) const {
   std::uint64_t bytes = 0;
   for (const proto::Stage& stage : job.spec.stages())

@@ -128,6 +128,35 @@ TEST_F(ServerResults, OfAllTogetherNoMoreIsOnItsWayThanABoundAndOfOneKeyAQuarter
   EXPECT_EQ(ask(viewer_, "viewer's", "b"), "");
 }
 
+// Answers without blobs are made for each question, and are long where there are many jobs.
+TEST_F(ServerResults, WhoAsksAndDoesNotReadTheAnswersIsGivenNoMoreOfThem) {
+  Run();
+  constexpr std::size_t kAll = std::size_t{256} << 20;
+  auto& transport = fixture_.transport;
+  const auto ask = [&](const std::string& user, const std::string& peer) -> std::optional<wire::Reply> {
+    transport.sent.clear();
+    transport.Come(peer, Query("status"), user);
+    transport.Come("after it", Query("status"), submitter_);
+    fixture_.Until([&] { return SentTo("after it").has_value(); });
+    const auto answer = SentTo(peer);
+    return answer ? std::optional(answer->envelope.reply()) : std::nullopt;
+  };
+  transport.deaf = {"one"};
+  transport.unsent["one"] = 1000;
+  EXPECT_TRUE(ask(viewer_, "one")->ok());
+  EXPECT_TRUE(ask(viewer_, "one")->ok()) << "little is unread";
+  transport.unsent["one"] = 1 << 20;
+  EXPECT_FALSE(ask(viewer_, "one")) << "it asks again when it has read";
+  EXPECT_TRUE(ask(viewer_, "two")->ok());
+  transport.unsent["one"] = kAll / 8 + 1;
+  const auto refused = ask(viewer_, "two");
+  EXPECT_TRUE(refused->unable());
+  EXPECT_NE(refused->message().find("are not read yet"), std::string::npos) << refused->message();
+  EXPECT_TRUE(ask(submitter_, "another")->ok());
+  transport.unsent.clear();
+  EXPECT_TRUE(ask(viewer_, "one")->ok());
+}
+
 TEST_F(ServerResults, WhoReadsNothingOfThemLosesHisConnection) {
   fixture_.stalled_s = 0.05;
   fixture_.Start();

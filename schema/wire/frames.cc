@@ -10,7 +10,8 @@ namespace {
 
 // Below this a copy costs less than the allocation and the call back that zero-copy needs.
 constexpr std::size_t kZeroCopyBytes = 16 * 1024;
-constexpr std::size_t kLongestName = 255;  // ZMTP's limit
+constexpr std::size_t kCountedBytes = 1024;  // what is smaller is held by the number of messages that wait
+constexpr std::size_t kLongestName = 255;    // ZMTP's limit
 
 // What a frame's bytes lie in, and how many it counts for until ZeroMQ lets it go.
 struct Kept {
@@ -85,7 +86,7 @@ Status ZmqStatus(const std::string& what, const zmq::error_t& error) {
 }
 
 Status SendFrames(zmq::socket_t& socket, const std::string* peer, Frames frames, const UnsentBytes& unsent) {
-  const bool counted = unsent != nullptr && BytesIn(frames) >= kZeroCopyBytes;
+  const bool counted = unsent != nullptr && BytesIn(frames) >= kCountedBytes;
   const std::vector<FrameBytes> split = SplitIntoFrames(std::move(frames));
   std::vector<zmq::message_t> parts;
   parts.reserve(1 + split.size());
