@@ -11,6 +11,7 @@ import subprocess
 import tempfile
 import threading
 import time
+import tracemalloc
 import unittest
 import warnings
 from pathlib import Path
@@ -112,11 +113,18 @@ class PackageTest(unittest.TestCase):
             f.attrs["cairn_format"], f.attrs["cairn_kind"] = 1, "log"
             f["robots"] = ["rover", "Grüß"]
             f["noise/contact_m"] = 0.3
+            f["table"] = [["a", "bc", ""], ["Ø", "", "def"]]
+            f["many"] = [str(i) for i in range(3000)]
+            f["fixed"] = np.array(["ab".encode(), "Ø".encode()])
             f["robot/0/odometry/time_s"] = np.array([1, 2], ">f8")
         with cairn.read("own.h5") as file:
             self.assertEqual(file.robots, ["rover", "Grüß"])
             self.assertEqual(file["noise/contact_m"], 0.3)
             self.assertEqual(file.unit("noise/contact_m"), "1")
+            self.assertEqual(file["table"].tolist(), [["a", "bc", ""], ["Ø", "", "def"]])
+            self.assertEqual(file["table"].dtype, np.dtype("U3"))
+            self.assertEqual(file["many"].tolist(), [str(i) for i in range(3000)])
+            self.assertEqual(file["fixed"].tolist(), ["ab", "Ø"])
             np.testing.assert_array_equal(file["robot/0/odometry/time_s"], [1, 2])
 
     # What is refused.
@@ -208,6 +216,22 @@ class PackageTest(unittest.TestCase):
             if matplotlib is not None:
                 matplotlib.use("agg")
                 self.refused("shapes.h5: cannot be drawn", file.plot)
+
+    def test_small_files_of_many_long_texts_are_refused_before_they_take_the_memory(self) -> None:
+        with self.hostile("fill.h5") as f:
+            f.create_dataset("robots", (150_000_000,), "S1", chunks=(10_000_000,), compression="gzip", fillvalue=b"a")
+        with self.hostile("one.h5") as f:
+            f.create_dataset("robots", (2000,), h5py.string_dtype())[0] = "x" * 1_000_000
+            at = f["robots"].id.get_offset()
+        whole = bytearray(Path("one.h5").read_bytes())
+        whole[at : at + 16 * 2000] = whole[at : at + 16] * 2000  # all refer to the first
+        Path("one.h5").write_bytes(whole)
+        for name, why in (("fill.h5", "its shape and its data do not agree"), ("one.h5", "its texts are more than its file")):
+            tracemalloc.start()
+            with cairn.read(name) as file:
+                self.refused(f"{name}: damaged: 'robots' cannot be read: {why}", file.__getitem__, "robots")
+            self.assertLess(tracemalloc.get_traced_memory()[1], 200 << 20)
+            tracemalloc.stop()
 
     def test_what_a_stranger_wrote_is_printed_escaped(self) -> None:
         with self.hostile("escapes.h5", "log\x1b[31m\n\u202e") as f:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 _FORMAT = 1  # the newest that is known
 _GIVEN = ("log", "poses", "samples", "errors")  # kinds that people make, and may change
 _MOST_BYTES, _MOST_PACKED = 2 << 30, 100  # as of the program: what is larger, and so many times its file, is none of ours
+_MOST_DEFLATED = 1100  # deflate shrinks at most 1032 times
+_CHUNK_BYTES = 64 << 20  # a larger chunk than that is none of ours, unless the whole array is
 _Column = npt.NDArray[np.float64]
 
 
@@ -95,7 +97,9 @@ class File(Mapping[str, Any]):
             dataset = self._dataset(name)
             with self._reading(name):
                 _check_form(dataset)
-                self._read[name] = _plain(dataset[()], bool(dataset.attrs.get("scalar", 0)))
+                is_texts = dataset.dtype.kind in "SO" and dataset.shape != ()
+                value = _texts(dataset) if is_texts else dataset[()]
+                self._read[name] = _plain(value, bool(dataset.attrs.get("scalar", 0)))
         return self._read[name]
 
     def __contains__(self, name: object) -> bool:
@@ -191,23 +195,58 @@ class File(Mapping[str, Any]):
 
 def _check_form(dataset: h5py.Dataset) -> None:
     """Before any of it is read."""
-    kind = dataset.dtype.kind
+    kind, item = dataset.dtype.kind, dataset.dtype.itemsize
     if dataset.shape is None or kind not in "biufSO" or (kind == "O" and h5py.check_string_dtype(dataset.dtype) is None):
         raise TypeError("it holds neither numbers nor texts")
-    size = math.prod(dataset.shape) * dataset.dtype.itemsize
+    size, stored = math.prod(dataset.shape) * item, dataset.id.get_storage_size()
+    _check_size(dataset, size)
+    # Without data HDF5 would give fill values that nobody wrote.
+    if size // _MOST_DEFLATED > stored or (size > 0 and stored == 0):
+        raise ValueError("its shape and its data do not agree")
+    if dataset.chunks is not None and math.prod(dataset.chunks) * item > max(_CHUNK_BYTES, size):
+        raise ValueError("its chunks are far larger than it")
+
+
+def _check_size(dataset: h5py.Dataset, size: int) -> None:
     if size > max(_MOST_BYTES, _MOST_PACKED * dataset.file.id.get_filesize()):
         raise ValueError(f"it would take {size} bytes, far more than its file")
+
+
+def _texts(dataset: h5py.Dataset) -> npt.NDArray[np.str_]:
+    """Of fixed width or, as h5py writes them, of none: the longest is known before there is memory for all."""
+    values = (_of_no_width(dataset) if dataset.dtype.kind == "O" else dataset[()]).reshape(-1)
+    parts = [slice(begin, begin + (1 << 16)) for begin in range(0, len(values), 1 << 16)]
+    longest = 1
+    for part in parts:
+        longest = max(longest, *(len(text.decode()) for text in values[part].tolist()))
+        _check_size(dataset, np.dtype("U1").itemsize * longest * len(values))
+    texts = np.empty(len(values), f"U{longest}")
+    for part in parts:
+        texts[part] = [text.decode() for text in values[part].tolist()]
+    return texts.reshape(dataset.shape)
+
+
+def _of_no_width(dataset: h5py.Dataset) -> npt.NDArray[np.object_]:
+    """In parts: each text is as long as the file at most, but many may be one and the same there."""
+    values, held = np.empty(dataset.shape, object), 0
+    size, file_bytes = 16, dataset.file.id.get_filesize()
+    most = min(max(64, (256 << 20) // file_bytes), 1 << 16)
+    for row in np.ndindex(dataset.shape[:-1]):
+        begin = 0
+        while begin < dataset.shape[-1]:
+            part = (*row, slice(begin, begin + size))
+            values[part] = dataset[part]
+            held += sum(map(len, values[part]))
+            if held > file_bytes:  # they are never packed
+                raise ValueError("its texts are more than its file")
+            begin, size = begin + size, min(2 * size, most)
+    return values
 
 
 def _plain(value: Any, scalar: bool) -> Any:
     if isinstance(value, bytes):
         return value.decode()
     if isinstance(value, np.ndarray):
-        if value.dtype.kind in "SO":  # texts, of fixed width or, as h5py writes them, of none
-            texts = [text.decode() for text in value.flat]
-            if 4 * max(map(len, texts), default=0) * len(texts) > _MOST_BYTES:  # each takes as much as the longest
-                raise ValueError("its texts are too long")
-            value = np.array(texts, np.str_).reshape(value.shape)
         if scalar:
             return value.flat[0] if value.dtype.kind != "U" else str(value.flat[0])
         value.flags.writeable = False
@@ -241,7 +280,7 @@ def read(path: str | os.PathLike[str], *, changed: bool = False) -> File:
     if right is False:
         raise InputError(f"{path}: damaged: its bytes are not those that were written")
     with _as_input(f"{path}: no HDF5 file, or a damaged one"):
-        file = h5py.File(path, "r")
+        file = h5py.File(path, "r", rdcc_nbytes=_CHUNK_BYTES)  # that none is unpacked twice
     try:
         with _as_input(f"{path}: not a Cairn file: its root attributes are not as they should be"):
             kind = _kind_of(path, file.attrs)
