@@ -290,6 +290,16 @@ class PackageTest(unittest.TestCase):
         with mock.patch.dict(os.environ, PATH="/nowhere"):
             self.refused("there is no program 'cairn' on the path", cairn.evaluate, "map", "log.h5", error=cairn.CairnError)
 
+    def test_paths_are_no_options(self) -> None:
+        self.copy("-x.h5", "log.h5"), self.copy("--help", "map/landmark_map.h5")
+        done = cairn.run("landmark_map", "-x.h5", out="-out", options={"iterations": 1, "starts": 1}, workers=1)
+        self.assertEqual(done.results["landmark_map"], Path("-out/landmark_map.h5"))
+        self.assertEqual(cairn.evaluate("--help", truth="-x.h5"), cairn.evaluate("map", truth="log.h5"))
+        for words in ((Path("-x.h5"),), ("--", "-x.h5")):
+            self.assertEqual(cairn.command("inspect", *words)["kind"], "log")
+        self.refused("--json: what it says is no JSON", cairn.command, "evaluate", "--help", error=cairn.CairnError)
+        self.refused("there is no pipeline '-v'", cairn.run, "-v", "log.h5")
+
     def test_an_interrupt_waits_until_the_program_has_saved_what_it_had(self) -> None:
         os.makedirs("fake", exist_ok=True)
         fake = Path("fake/cairn")

@@ -23,14 +23,18 @@ _BAD_INPUT = 2  # an exit code
 def command(*words: PathLike) -> Any:
     """What `cairn WORDS… --json` says, from JSON: command("export", "tum", "map", "exported").
 
-    What it warns of becomes Python's warnings. An interrupt (Ctrl-C) is passed on, and waits until the program has saved
+    A path that may begin with '-' is no option as a Path, or behind the word "--". What it warns of becomes Python's
+    warnings. An interrupt (Ctrl-C) is passed on, and waits until the program has saved
     what it had.
-    Raises InputError where the program ends with exit code 2, CairnError with any other; the message is the program's.
+    Raises InputError where the program ends with exit code 2, CairnError with any other, or where it says no JSON; the
+    message is the program's.
     """
     program = shutil.which("cairn")
     if program is None:
         raise CairnError("there is no program 'cairn' on the path: install Cairn, or add its folder to PATH")
-    line = [program, *(os.fspath(word) for word in words), "--json"]
+    line = [_word(word) for word in words]
+    line.insert(line.index("--") if "--" in line else len(line), "--json")
+    line.insert(0, program)
     with subprocess.Popen(line, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         try:
             said, complained = process.communicate()
@@ -46,16 +50,24 @@ def command(*words: PathLike) -> Any:
         elif head == "cairn":
             failure = tail
     if process.returncode == 0:
-        return json.loads(said)
+        try:
+            return json.loads(said)
+        except ValueError:
+            raise CairnError(f"{' '.join(line)}: what it says is no JSON") from None
     raise (InputError if process.returncode == _BAD_INPUT else CairnError)(failure, process.returncode)
 
 
+def _word(word: PathLike) -> str:
+    text = os.fspath(word)
+    return f"./{text}" if text.startswith("-") and not isinstance(word, str) else text
+
+
 def _option(name: str, value: Any) -> list[str]:
-    """["--name", "value"]; [] where it is None or False, as that is not said."""
+    """["--name=value"]; [] where it is None or False, as that is not said."""
     if value is None or value is False:
         return []
     name = "--" + name.replace("_", "-")
-    return [name] if value is True else [name, _text(value)]
+    return [name] if value is True else [f"{name}={_text(value)}"]
 
 
 def _options(named: Mapping[str, Any]) -> list[str]:
@@ -78,13 +90,12 @@ def _job(
     inputs: Mapping[str, PathLike] | None,
     seed: int | None,
     units_are_right: bool,
+    **more: Any,
 ) -> list[str]:
-    words = [os.fspath(what), *([] if file is None else [os.fspath(file)])]
-    for name, value in (options or {}).items():
-        words += ["--set", f"{name}={_text(value)}"]
-    for name, path in (inputs or {}).items():
-        words += ["--input", f"{name}={os.fspath(path)}"]
-    return words + _option("seed", seed) + _option("units-are-right", units_are_right)
+    words = [f"--set={name}={_text(value)}" for name, value in (options or {}).items()]
+    words += [f"--input={name}={os.fspath(path)}" for name, path in (inputs or {}).items()]
+    words += _options({"seed": seed, "units_are_right": units_are_right, **more})
+    return [*words, "--", os.fspath(what), *([] if file is None else [os.fspath(file)])]
 
 
 @dataclass(frozen=True)
@@ -127,8 +138,8 @@ def run(
     what: a job file, or the name of a pipeline, which reads `file`; its options and further inputs are by name.
     out: the folder of the results, else the job's name. force: forget what an earlier run left there.
     """
-    words = _job(what, file, options, inputs, seed, units_are_right)
-    return Run(command("run", *words, *_option("out", out), *_option("workers", workers), *_option("force", force)))
+    words = _job(what, file, options, inputs, seed, units_are_right, out=out, workers=workers, force=force)
+    return Run(command("run", *words))
 
 
 def submit(
@@ -147,8 +158,7 @@ def submit(
     `cairn status JOB --json` says, its `id` the JOB of other commands. Who submits the same again is told of the job that is
     there.
     """
-    words = _job(what, file, options, inputs, seed, units_are_right)
-    job: dict[str, Any] = command("submit", *words, *_options(more))
+    job: dict[str, Any] = command("submit", *_job(what, file, options, inputs, seed, units_are_right, **more))
     return job
 
 
@@ -166,8 +176,8 @@ def submit_each(
 
     All are looked at before the first is handed in. As submit() otherwise, a dict for each.
     """
-    words = _job(what, None, options, inputs, seed, units_are_right)
-    jobs: list[dict[str, Any]] = command("submit", *words, "--each", files, *_options(more))
+    words = _job(what, None, options, inputs, seed, units_are_right, each=files, **more)
+    jobs: list[dict[str, Any]] = command("submit", *words)
     return jobs
 
 
@@ -176,5 +186,5 @@ def evaluate(result: PathLike, truth: PathLike | None = None, **options: Any) ->
 
     options: those of the command, `nearest=3` as `--nearest 3`, `changed=True` as `--changed`.
     """
-    scores: dict[str, Any] = command("evaluate", result, *_options({"truth": truth, **options}))
+    scores: dict[str, Any] = command("evaluate", *_options({"truth": truth, **options}), "--", os.fspath(result))
     return scores
