@@ -129,10 +129,12 @@ Result<FileContents> ReadAll(const File& file, const std::string& name, const Re
   if (most_bytes < kHoweverMuch)
     if (const Status size = store::CheckUnpacked(file.handle.get(), wanted, most_bytes); !size.ok())
       return Named(name, size);
+  std::uint64_t held_bytes = 0;
   for (const std::string& dataset : wanted) {
-    Result<Array> array = store::ReadDataset(file.handle.get(), dataset, most_bytes);
+    Result<Array> array = store::ReadDataset(file.handle.get(), dataset, most_bytes, held_bytes);
     if (!array.ok()) return Named(name, array.status());
     const Array& a = array.value();
+    held_bytes += a.bytes().size();
     result.datasets.push_back({dataset, a.type(), a.item_bytes(), a.shape(), {}, 0});
     result.blob.Put(dataset, std::move(array).value());
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <memory>
 
@@ -187,51 +188,6 @@ Status TooMuch(const std::string& what, std::uint64_t most_bytes) {
                               "it is right, `h5repack -f NONE` writes a copy that Cairn reads"};
 }
 
-// The memory of texts that HDF5 unpacks, as much as there may be.
-class TextMemory {
- public:
-  explicit TextMemory(std::uint64_t most_bytes)
-      : left_(most_bytes), list_(H5Pcreate(H5P_DATASET_XFER), H5Pclose) {
-    H5Pset_vlen_mem_manager(list_.get(), Allocate, this, [](void*, void*) {}, nullptr);
-  }
-  TextMemory(const TextMemory&) = delete;
-  TextMemory& operator=(const TextMemory&) = delete;
-  hid_t list() const { return list_.get(); }
-  bool full() const { return full_; }
-
- private:
-  static void* Allocate(std::size_t bytes, void* data) {
-    constexpr std::size_t kBeside = 32;
-    TextMemory& memory = *static_cast<TextMemory*>(data);
-    memory.full_ = memory.full_ || bytes + kBeside > memory.left_;
-    if (memory.full_) return nullptr;
-    memory.left_ -= bytes + kBeside;
-    return memory.texts_.emplace_back(new std::byte[bytes]).get();
-  }
-  std::uint64_t left_;
-  bool full_ = false;
-  std::vector<std::unique_ptr<std::byte[]>> texts_;
-  Handle list_;
-};
-
-// Variable-width texts, as h5py writes them by default, become texts of the longest one's width.
-Result<Array> ReadVariableTexts(const Open& open, hid_t memory_type, std::size_t count,
-                                std::uint64_t most_bytes) {
-  const std::string what = "dataset '" + open.info.name + "': its texts take";
-  std::vector<char*> pointers(count, nullptr);
-  TextMemory memory(most_bytes);
-  if (H5Dread(open.dataset.get(), memory_type, H5S_ALL, H5S_ALL, memory.list(), pointers.data()) < 0)
-    return memory.full() ? TooMuch(what, most_bytes) : Damaged(open.info.name);
-  std::size_t width = 1;
-  for (const char* text : pointers) width = std::max(width, text == nullptr ? 0 : std::strlen(text));
-  if (count > 0 && width > most_bytes / count) return TooMuch(what, most_bytes);
-  std::vector<std::byte> bytes(width * count);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (pointers[i] != nullptr) std::memcpy(bytes.data() + i * width, pointers[i], std::strlen(pointers[i]));
-  }
-  return Array::FromBytes(DType::kText, width, open.info.shape, bytes);
-}
-
 std::size_t BytesOf(const DatasetInfo& info) {
   std::size_t bytes = info.item_bytes;
   for (const std::int64_t n : info.shape) bytes *= static_cast<std::size_t>(n);
@@ -260,6 +216,117 @@ Handle AccessInOrder(const Open& open) {
   constexpr std::size_t kSlots = 10'007, kLeast = std::size_t{2} << 20;
   H5Pset_chunk_cache(access.get(), kSlots, std::max(bytes, kLeast), 1);
   return access;
+}
+
+// Some items of a dataset: where they are in memory and in the file.
+struct Part {
+  hid_t memory, file;
+  std::size_t items;
+};
+
+// In order, in parts of about a MiB of items of so many bytes: a part is some steps along `axis`, of all that
+// lies within them, at one place of the axes before it.
+Status InParts(const Open& open, std::size_t item_bytes, const std::function<Status(const Part&)>& take) {
+  constexpr std::size_t kPartBytes = std::size_t{1} << 20;
+  const Shape& shape = open.info.shape;
+  std::size_t items = BytesOf(open.info) / open.info.item_bytes, axis = 0;
+  if (shape.empty() || items <= kPartBytes / item_bytes) return take({H5S_ALL, H5S_ALL, items});
+  for (; axis < shape.size(); ++axis) {
+    items /= static_cast<std::size_t>(shape[axis]);
+    if (items <= kPartBytes / item_bytes || axis + 1 == shape.size()) break;
+  }
+  const auto most = static_cast<hsize_t>(std::max<std::size_t>(1, kPartBytes / (items * item_bytes)));
+  const auto all = static_cast<hsize_t>(shape[axis]);
+  std::vector<hsize_t> begin(shape.size(), 0), count(shape.begin(), shape.end());
+  std::fill(count.begin(), count.begin() + static_cast<std::ptrdiff_t>(axis), 1);
+  while (true) {
+    count[axis] = std::min(most, all - begin[axis]);
+    const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
+    if (H5Sselect_hyperslab(open.space.get(), H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr) <
+        0)
+      return Damaged(open.info.name);
+    if (Status own = take({memory.get(), open.space.get(), static_cast<std::size_t>(count[axis]) * items});
+        !own.ok())
+      return own;
+    begin[axis] += count[axis];
+    std::size_t at = axis;
+    while (begin[at] == static_cast<hsize_t>(shape[at])) {
+      if (at == 0) return Status::Ok();
+      begin[at--] = 0;
+      ++begin[at];
+    }
+  }
+}
+
+// The memory of texts that HDF5 unpacks: of the last one alone, or of all that it unpacks at a time.
+class TextMemory {
+ public:
+  TextMemory(std::size_t most_bytes, bool keeps_all)
+      : most_bytes_(most_bytes), keeps_all_(keeps_all), list_(H5Pcreate(H5P_DATASET_XFER), H5Pclose) {
+    H5Pset_vlen_mem_manager(list_.get(), Allocate, this, [](void*, void*) {}, nullptr);
+  }
+  TextMemory(const TextMemory&) = delete;
+  TextMemory& operator=(const TextMemory&) = delete;
+  hid_t list() const { return list_.get(); }
+  std::size_t longest() const { return longest_; }
+  void Clear() { texts_.clear(); }
+
+ private:
+  static void* Allocate(std::size_t bytes, void* data) {
+    TextMemory& memory = *static_cast<TextMemory*>(data);
+    memory.longest_ = std::max(memory.longest_, bytes - 1);  // behind it is a zero
+    if (memory.longest_ > memory.most_bytes_) return nullptr;
+    if (!memory.keeps_all_) memory.Clear();
+    return memory.texts_.emplace_back(new std::byte[bytes]).get();
+  }
+  std::size_t most_bytes_, longest_ = 0;
+  bool keeps_all_;
+  std::vector<std::unique_ptr<std::byte[]>> texts_;
+  Handle list_;
+};
+
+// Variable-width texts, as h5py writes them by default, become texts of the longest one's width: that is
+// looked for before there is memory for all.
+Result<Array> ReadVariableTexts(const Open& open, std::uint64_t most_bytes, std::uint64_t held_bytes) {
+  const DatasetInfo& info = open.info;
+  const std::size_t count = BytesOf(info) / info.item_bytes;
+  const std::uint64_t most_each =
+      (most_bytes - std::min(held_bytes, most_bytes)) / std::max<std::size_t>(count, 1);
+  const std::size_t most_text =
+      info.shape.empty() ? most_each : std::min<std::size_t>(most_each, kMostTextBytes);
+  const Handle type = MemoryType(open);
+  std::vector<char*> pointers;
+  const auto read = [&](TextMemory* memory, const Part& part) -> Status {
+    if (part.items == 0) return Status::Ok();
+    pointers.assign(part.items, nullptr);
+    if (H5Dread(open.dataset.get(), type.get(), part.memory, part.file, memory->list(), pointers.data()) >= 0)
+      return Status::Ok();
+    const std::size_t longest = memory->longest();
+    if (longest <= most_text) return Damaged(info.name);
+    if (longest <= most_each)
+      return Corrupt("dataset '" + info.name + "': a text of it is longer than " +
+                     std::to_string(kMostTextBytes) + " bytes");
+    return TooMuch("dataset '" + info.name + "': its texts take", most_bytes);
+  };
+  TextMemory one(most_text, false);
+  Status status = InParts(open, info.item_bytes, [&](const Part& part) { return read(&one, part); });
+  if (!status.ok()) return status;
+  one.Clear();
+  const std::size_t width = std::max<std::size_t>(one.longest(), 1);
+  const std::shared_ptr<std::byte> bytes = AlignedBytes(width * count);
+  std::fill_n(bytes.get(), width * count, std::byte{0});
+  std::byte* at = bytes.get();
+  status = InParts(open, width, [&](const Part& part) -> Status {
+    TextMemory all(width, true);
+    if (Status own = read(&all, part); !own.ok()) return own;
+    for (const char* text : pointers) {
+      if (text != nullptr) std::memcpy(at, text, std::strlen(text));
+      at += width;
+    }
+    return Status::Ok();
+  });
+  if (!status.ok()) return status;
+  return Array::Over(DType::kText, width, info.shape, {bytes.get(), width * count}, bytes);
 }
 
 // What a file's links lead to.
@@ -349,15 +416,16 @@ Status CheckUnpacked(hid_t file, const std::vector<std::string>& names, std::uin
   return Status::Ok();
 }
 
-Result<Array> ReadDataset(hid_t file, const std::string& name, std::uint64_t most_bytes) {
-  const Result<Open> opened = OpenDataset(file, name);
+Result<Array> ReadDataset(hid_t file, const std::string& name, std::uint64_t most_bytes,
+                          std::uint64_t held_bytes) {
+  Result<Open> opened = OpenDataset(file, name);
+  if (opened.ok() && opened.value().variable_text)
+    opened = OpenDataset(file, name, AccessInOrder(opened.value()).get());
   if (!opened.ok()) return opened.status();
   const Open& open = opened.value();
-  std::size_t count = 1;
-  for (const std::int64_t n : open.info.shape) count *= static_cast<std::size_t>(n);
+  if (open.variable_text) return ReadVariableTexts(open, most_bytes, held_bytes);
   const Handle type = MemoryType(open);
-  if (open.variable_text) return ReadVariableTexts(open, type.get(), count, most_bytes);
-  const std::size_t size = count * open.info.item_bytes;
+  const std::size_t size = BytesOf(open.info);
   // The array's own: it may be most of the memory.
   const std::shared_ptr<std::byte> bytes = AlignedBytes(size);
   if (size > 0 && H5Dread(open.dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.get()) < 0) {
@@ -368,12 +436,10 @@ Result<Array> ReadDataset(hid_t file, const std::string& name, std::uint64_t mos
 
 Status ReadInParts(hid_t file, const std::string& name, std::uint64_t most_bytes,
                    const std::function<bool(std::span<const std::byte>)>& take) {
-  constexpr std::size_t kPartBytes = std::size_t{1} << 20;
   const Status refused(Code::kIo, "dataset '" + name + "': nobody takes it");
   Result<Open> opened = OpenDataset(file, name);
   if (!opened.ok()) return opened.status();
-  const Shape shape = opened.value().info.shape;
-  if (opened.value().variable_text || shape.empty() || BytesOf(opened.value().info) <= kPartBytes) {
+  if (opened.value().variable_text || opened.value().info.shape.empty()) {
     const Result<Array> whole = ReadDataset(file, name, most_bytes);
     if (!whole.ok()) return whole.status();
     return take(whole.value().bytes()) ? Status::Ok() : refused;
@@ -383,34 +449,14 @@ Status ReadInParts(hid_t file, const std::string& name, std::uint64_t most_bytes
   if (!opened.ok()) return opened.status();
   const Open& open = opened.value();
   const Handle type = MemoryType(open);
-  // A part is some steps along `axis`, of all that lies within them, at one place of the axes before it.
-  std::size_t step_bytes = BytesOf(open.info), axis = 0;
-  for (; axis < shape.size(); ++axis) {
-    step_bytes /= static_cast<std::size_t>(shape[axis]);
-    if (step_bytes <= kPartBytes || axis + 1 == shape.size()) break;
-  }
-  const auto most = static_cast<hsize_t>(std::max<std::size_t>(1, kPartBytes / step_bytes));
-  const auto all = static_cast<hsize_t>(shape[axis]);
-  std::vector<hsize_t> begin(shape.size(), 0), count(shape.begin(), shape.end());
-  std::fill(count.begin(), count.begin() + static_cast<std::ptrdiff_t>(axis), 1);
-  std::vector<std::byte> part(static_cast<std::size_t>(std::min(most, all)) * step_bytes);
-  while (true) {
-    count[axis] = std::min(most, all - begin[axis]);
-    const auto bytes = std::span(part).first(static_cast<std::size_t>(count[axis]) * step_bytes);
-    const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
-    if (H5Sselect_hyperslab(open.space.get(), H5S_SELECT_SET, begin.data(), nullptr, count.data(), nullptr) <
-            0 ||
-        H5Dread(open.dataset.get(), type.get(), memory.get(), open.space.get(), H5P_DEFAULT, part.data()) < 0)
+  std::vector<std::byte> bytes;
+  return InParts(open, open.info.item_bytes, [&](const Part& part) -> Status {
+    bytes.resize(part.items * open.info.item_bytes);
+    if (!bytes.empty() &&
+        H5Dread(open.dataset.get(), type.get(), part.memory, part.file, H5P_DEFAULT, bytes.data()) < 0)
       return Damaged(name);
-    if (!take(bytes)) return refused;
-    begin[axis] += count[axis];
-    std::size_t at = axis;
-    while (begin[at] == static_cast<hsize_t>(shape[at])) {
-      if (at == 0) return Status::Ok();
-      begin[at--] = 0;
-      ++begin[at];
-    }
-  }
+    return take(bytes) ? Status::Ok() : refused;
+  });
 }
 
 }  // namespace cairn::store

@@ -33,10 +33,12 @@ Result<DatasetInfo> DescribeDataset(hid_t file, const std::string& name);
 std::uint64_t MostUnpacked(std::uint64_t file_bytes, std::uint64_t usual_bytes = std::uint64_t{2} << 30);
 // kRefused where those arrays take more.
 Status CheckUnpacked(hid_t file, const std::vector<std::string>& names, std::uint64_t most_bytes);
-// kRefused also where its texts alone take more than `most_bytes`: of texts of variable width, which may all
-// be one and the same in the file, that is not known before.
+// kRefused also where texts of variable width, which may all be one and the same in the file, take more than
+// `most_bytes` with what other arrays hold, kCorrupt where one of a list is longer than kMostTextBytes: at
+// the first that is too long.
 Result<Array> ReadDataset(hid_t file, const std::string& name,
-                          std::uint64_t most_bytes = std::numeric_limits<std::uint64_t>::max());
+                          std::uint64_t most_bytes = std::numeric_limits<std::uint64_t>::max(),
+                          std::uint64_t held_bytes = 0);
 // Its elements, row-major, in parts of about a MiB, which `take` may refuse (kIo). Beside them memory holds
 // as many chunks as such a part touches: of Cairn's own files a few MiB, of one that is a single chunk all of
 // it.

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 
 #include "schema/store/blob_file.h"
@@ -172,8 +173,8 @@ TEST_F(ForeignFile, TextsThatUnpackToMoreThanTheyMayAreRefusedOnTheWay) {
         H5Dcreate2(file_.get(), name, type.get(), space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
         H5Dclose);
   };
-  constexpr std::size_t kReference = 16, kTexts = 1000;
-  const std::string text(30'000, 'x');
+  constexpr std::size_t kReference = 16, kTexts = 10'000;
+  const std::string text(3'000, 'x');
   const char* const pointer = text.c_str();
   const Handle many = make("many", kTexts), one = make("one", 1);
   ASSERT_GE(H5Dwrite(one.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, &pointer), 0);
@@ -190,6 +191,38 @@ TEST_F(ForeignFile, TextsThatUnpackToMoreThanTheyMayAreRefusedOnTheWay) {
   EXPECT_EQ(status.code(), Code::kRefused);
   EXPECT_NE(status.message().find("dataset 'many': its texts take more than 20.0 MB"), std::string::npos)
       << status.message();
+  EXPECT_EQ(store::ReadDataset(file_.get(), "many", 40'000'000, 20'000'000).status().code(), Code::kRefused);
+  const Result<Array> read = store::ReadDataset(file_.get(), "many");
+  ASSERT_TRUE(read.ok());
+  const auto all = read.value().bytes();
+  ASSERT_EQ(all.size(), kTexts * text.size());
+  EXPECT_TRUE(std::ranges::all_of(all, [](std::byte b) { return b == std::byte{'x'}; }));
+}
+
+// The second text is never asked for: it refers to nothing.
+TEST_F(ForeignFile, ATextThatIsTooLongIsRefusedBeforeOthersAreRead) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), H5T_VARIABLE);
+  const hsize_t size = 2;
+  const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
+  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_chunk(creation.get(), 1, &size);
+  const Handle data(
+      H5Dcreate2(file_.get(), "two", type.get(), space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT),
+      H5Dclose);
+  const std::string text(5'000, 'x');
+  const std::array<const char*, 2> pointers{text.c_str(), "y"};
+  ASSERT_GE(H5Dwrite(data.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()), 0);
+  H5Dflush(data.get());
+  const hsize_t at = 0;
+  std::uint32_t filters = 0;
+  std::array<std::byte, 32> references{};
+  ASSERT_GE(H5Dread_chunk(data.get(), H5P_DEFAULT, &at, &filters, references.data()), 0);
+  std::fill(references.begin() + 16 + 4, references.end(), std::byte{0x7f});
+  ASSERT_GE(H5Dwrite_chunk(data.get(), H5P_DEFAULT, 0, &at, references.size(), references.data()), 0);
+  const Status status = store::ReadDataset(file_.get(), "two").status();
+  EXPECT_EQ(status.code(), Code::kCorrupt);
+  EXPECT_EQ(status.message(), "dataset 'two': a text of it is longer than 4096 bytes");
 }
 
 TEST_F(ForeignFile, AVirtualDatasetBringsNoOtherFileIn) {
