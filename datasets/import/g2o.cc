@@ -1,6 +1,7 @@
 #include "datasets/import/g2o.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -22,6 +23,27 @@ struct Sighting {
 };
 
 Pose Inverse(const Pose& pose) { return Between(pose, Pose{}); }
+
+// The upper triangle of an edge's information from field `first` on, row by row, where the edge has one. One
+// that is no inverse of a covariance is of another writer's mind: of signs, or of columns.
+void CheckInformation(const Fields& line, std::size_t first, std::size_t rows) {
+  if (line.size() <= first) return;
+  std::array<double, 6> of{0, 0, 0, 0, 0, 1};  // of two rows the third is of something else
+  for (std::size_t i = 0, row = 0; row < rows; ++row)
+    for (std::size_t column = row; column < rows; ++column) {
+      const std::array<std::size_t, 3> begin{0, 3, 5};
+      of[begin[row] + column - row] = line.Number(first + i++);
+    }
+  const auto& [xx, xy, xt, yy, yt, tt] = of;
+  constexpr double kRounded = 1e-6;  // as files have them
+  const auto minor = [](double a, double b, double ab) { return a * b * (1 + kRounded) - ab * ab; };
+  const double determinant = xx * (yy * tt - yt * yt) - xy * (xy * tt - yt * xt) + xt * (xy * yt - yy * xt);
+  if (std::min({xx, yy, tt, minor(xx, yy, xy), minor(xx, tt, xt), minor(yy, tt, yt),
+                determinant + kRounded * xx * yy * tt}) < 0)
+    throw LineError{
+        "information that is no matrix of weights",
+        "it must be positive semidefinite; its diagonal begins with " + std::string(line.Text(first))};
+}
 
 class G2oImport {
  public:
@@ -63,6 +85,7 @@ class G2oImport {
   void ReadStep(const Fields& line, std::size_t number) {
     const std::size_t from = line.Count(1, kMostNumber), to = line.Count(2, kMostNumber);
     const Pose motion = line.PoseAt(3);
+    CheckInformation(line, 6, 3);
     const bool forward = to == from + 1;
     const bool is_step = forward || from == to + 1;
     if (is_step && steps_.try_emplace(std::min(from, to), forward ? motion : Inverse(motion), number).second)
@@ -73,6 +96,7 @@ class G2oImport {
   void ReadSighting(const Fields& line, std::size_t number) {
     const std::size_t from = line.Count(1, kMostNumber), landmark = line.Count(2, kMostNumber);
     const Point at{line.Place(3), line.Place(4)};
+    CheckInformation(line, 5, 2);
     const auto wrong = FindMisreading(std::hypot(at.x_m, at.y_m), std::atan2(at.y_m, at.x_m), options_.noise);
     if (wrong) throw LineError{wrong->reason, wrong->detail};
     seen_[from].push_back({landmark, at, number});

@@ -81,6 +81,16 @@ TEST_F(ImportG2oTest, WhatIsNoneOfThePlaneOrNoGraphIsRefused) {
   ExpectContains(Refusal("EDGE_SE2 0 -1 1 0 0\n"), "graph.g2o:1: no count");
   ExpectContains(Refusal("EDGE_SE2 0 1 1e9 0 0\n"), "graph.g2o:1: no place on Earth");
   ExpectContains(Refusal("ODOMETRY 0 1 1 0 0\n"), "graph.g2o:1: unknown message");
+  const std::string no_weights = ": information that is no matrix of weights";
+  ExpectContains(Refusal("EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 1 2 1 0 0.3 -1 0 0 -1 0 -1\n"),
+                 "graph.g2o:2" + no_weights);
+  ExpectContains(Refusal("EDGE_SE2 0 1 1 0 0 1 0 0 1 2 1\n"), "graph.g2o:1" + no_weights);
+  // Each two of its axes agree, all three do not.
+  ExpectContains(Refusal("EDGE_SE2 0 1 1 0 0 1 -0.9 -0.9 1 -0.9 1\n"), "graph.g2o:1" + no_weights);
+  ExpectContains(Refusal("EDGE_SE2_XY 0 9 1 1 1 0 -1\n"), "graph.g2o:1" + no_weights);
+  ExpectContains(Refusal("EDGE_SE2 0 1 1 0 0 1 0\n"), "graph.g2o:1: line cut short");
+  EXPECT_TRUE(Import("EDGE_SE2 0 1 1 0 0 44.7 0 0 0 0 4.4\nEDGE_SE2 1 2 1 0 0 2 2 0 2 0 1\n").dropped.empty())
+      << "a direction of which nothing is known";
   std::string gaps;
   for (int i = 0; i < 1001; ++i)
     gaps += "EDGE_SE2 " + std::to_string(3 * i) + " " + std::to_string(3 * i + 1) + " 1 0 0\n";
