@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -338,6 +340,20 @@ class CsvImport {
     return time ? *time - SensorOf(robot).late_s : time;
   }
 
+  // Whether it is in every column a row that the robot has already. No sensor measures the same twice, so
+  // some logger wrote it twice, and it must not count twice; a landmark without a name would become two.
+  // Where true associations are given they are of the rows, one by one.
+  bool IsRepeated(const RobotRows& robot, double time, std::int32_t landmark, double range, double bearing) {
+    if (!options_.truth_associations.empty()) return false;
+    auto& [last, rows] = at_a_time_[&robot];
+    if (rows.empty() || time != last) rows.clear();
+    last = time;
+    const bool contact = std::isnan(range);
+    if (rows.emplace(landmark, contact ? 0 : range, contact ? 0 : bearing).second) return false;
+    ++report_.dropped["row of an observation that is the same as an earlier one"];
+    return true;
+  }
+
   void ReadObservations() {
     CsvReader reader =
         Open(options_.observations, {{"time_s", "robot?", "landmark", "range_m", "bearing_rad"}});
@@ -352,10 +368,11 @@ class CsvImport {
       if (!reader.Name(2) || !IsName(reader.Text(2), &reader)) continue;
       if (!WhileDriving(*time, robot->odometry.time_s, &reader)) continue;
       const std::int32_t landmark = reader.Text(2).empty() ? -1 : landmarks_.FindOrAdd(reader.Text(2));
+      ++good;
+      if (IsRepeated(*robot, *time, landmark, range, bearing)) continue;
       robot->observations.Add(*time, landmark, range, bearing);
       robot->observations.from.file = options_.observations;
       robot->observations.from.line.push_back(reader.line());
-      ++good;
     }
     skipped.RequireHalf(options_.observations, good);
     for (const RobotRows& robot : rows_.robots)
@@ -447,7 +464,10 @@ class CsvImport {
   ImportReport report_;
   LogRows rows_;
   NameIndex robots_, landmarks_, truth_;
-  std::vector<LandmarkSensor> sensors_;       // of each robot
+  std::vector<LandmarkSensor> sensors_;  // of each robot
+  // Of each robot, of the last time of an observation: which were made then.
+  std::map<const RobotRows*, std::pair<double, std::set<std::tuple<std::int32_t, double, double>>>>
+      at_a_time_;
   std::map<std::string, TimeDigits> digits_;  // of each robot's odometry
   bool has_robots_ = true;                    // odometry names them
   bool all_measured_ = true;                  // the true positions of all landmarks that have a name

@@ -52,6 +52,19 @@ TEST_F(ImportCsvTest, PutsEveryColumnInItsPlace) {
   EXPECT_FALSE(log_.Has("truth/landmarks/name"));
 }
 
+TEST_F(ImportCsvTest, ARowThatIsTheSameAsAnEarlierOneIsLeftOut) {
+  // The same but for its robot, its landmark, its time, its range or its bearing is another.
+  PutObservations(
+      "1,Rosa,,2.5,0.1\n1,Rosa,door,2.5,0.1\n1,Rosa,,2.5,0.1\n1,Rosa,door,2.5,0.1\n1,Rosa,,2.5,0.2\n"
+      "1,Rosa,,2.4,0.1\n1,Rosa,,,\n1,Rosa,,,\n2,Rosa,,2.5,0.1\n2,Ugo,,2.5,0.1\n");
+  const ImportReport report = Import();
+  EXPECT_EQ(Column<double>("robot/0/observations/time_s"), (std::vector<double>{1, 1, 1, 1, 1, 2}));
+  EXPECT_EQ(Column<double>("robot/1/observations/time_s"), (std::vector<double>{2}));
+  EXPECT_EQ(
+      report.dropped,
+      (std::map<std::string, std::int64_t>{{"row of an observation that is the same as an earlier one", 3}}));
+}
+
 TEST_F(ImportCsvTest, IntegratesVelocities) {
   options_.odometry =
       folder_.Put("v.csv.gz", "omega_radps,robot,time_s,v_mps\n0.5,a,0,2\n0,a,1,1\n0,a,3,0\n");
@@ -378,7 +391,7 @@ TEST_F(ImportCsvTest, AnObservationBesideTheOdometryIsToldHowToBeTaken) {
 
 TEST_F(ImportCsvTest, NamesThatCanBeNoneAreBadLines) {
   const std::string long_name(257, 'x');
-  PutObservations("1,Rosa,L\x1b[31m,1,0\n2,Rosa,a,1,0\n2,Rosa,a,1,0\n2,Rosa,a,1,0\n2,Rosa,\xff,1,0\n3,Rosa," +
+  PutObservations("1,Rosa,L\x1b[31m,1,0\n2,Rosa,a,1,0\n2,Rosa,a,2,0\n2,Rosa,a,3,0\n2,Rosa,\xff,1,0\n3,Rosa," +
                   long_name + ",1,0\n");
   ExpectContains(Failure(), "observations.csv:2: a name that has control characters: landmark is 'L");
   options_.skip_bad = true;
@@ -414,7 +427,7 @@ TEST_F(ImportCsvTest, SkipBadCountsByReasonAndKeepsTheRest) {
   options_.skip_bad = true;
   PutObservations(
       "0.5,Rosa,,,\n1,Rosa,,,\n0.9,Rosa,,,\nx,Rosa,,,\n1,Hugo,,,\n1,Rosa,,-1,0\n2,Rosa,,-2,0\n2,Rosa,,,\n"
-      "2,Rosa,,,\n2,Rosa,,,\n3,Rosa,,,\n3,Rosa,,,\n");
+      "2,Rosa,a,,\n2,Rosa,b,,\n3,Rosa,,,\n3,Rosa,a,,\n");
   const ImportReport report = Import();
   EXPECT_EQ(report.skipped, (std::map<std::string, std::int64_t>{{"before the first control", 1},
                                                                  {"negative range", 2},
