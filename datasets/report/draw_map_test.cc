@@ -78,9 +78,26 @@ TEST(DrawMap, AGridAloneIsGrey) {
   const cv::Mat image = Decoded(DrawMapPng(map, nullptr, nullptr, 600));
   const int cell = Count(image, {0, 0, 0});
   EXPECT_GT(cell, 10000);
-  // The three other cells are as large, but for the raster over them and the scale bar's plate.
+  // The three other cells are as large, but for the raster over them.
   EXPECT_NEAR(Count(image, {218, 196, 178}), cell, 0.2 * cell) << "unknown";
   EXPECT_NEAR(Count(image, {220, 220, 220}), cell, 0.2 * cell) << "one half";
+}
+
+TEST(DrawMap, TheScaleHidesNothingOfTheMap) {
+  // Cells of the bottom row and of the top row, the left one and the right one, of which one is a wall.
+  std::vector<int> walls;
+  for (int wall = 0; wall < 4; ++wall) {
+    std::vector<double> probability(4, 0);
+    probability[static_cast<std::size_t>(wall)] = 1;
+    Blob map;
+    map.Put("map/grid/probability", Array::Of<double>({1, 2, 2}, probability));
+    map.PutScalar("map/grid/origin_x_m", -1.0);
+    map.PutScalar("map/grid/origin_y_m", 3.0);
+    map.PutScalar("map/grid/cell_m", 0.5);
+    walls.push_back(Count(Decoded(DrawMapPng(map, nullptr, nullptr, 600)), {0, 0, 0}));
+  }
+  EXPECT_GT(walls[0], 10000);
+  for (const int wall : walls) EXPECT_NEAR(wall, walls[0], 0.03 * walls[0]);
 }
 
 TEST(DrawMap, RefusesWhatHoldsNothing) {

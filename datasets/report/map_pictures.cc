@@ -161,13 +161,13 @@ class MapPainter {
   Picture& picture_;
 };
 
+// Below the map, of which it hides nothing.
 void DrawScale(const MapFrame& frame, Picture* picture) {
   const double bar_m = RoundBelow(frame.x().length() / 5), width = bar_m * frame.pixels_per_m();
-  const double right = frame.panel().right() - 14, left = right - width, y = frame.panel().bottom() - 12;
-  picture->Rect({left - 8, y - 22, width + 16, 30}, "plate");
+  const double right = frame.panel().right() - 1, left = right - width, y = frame.panel().bottom() + 29;
   picture->Line({left, y}, {right, y}, "scale");
   for (const double end : {left, right}) picture->Line({end, y - 4}, {end, y + 4}, "scale");
-  picture->Text({right - width / 2, y - 7}, Short(bar_m) + " m", "tick middle strong");
+  picture->Text({left - 6, y + 4}, Short(bar_m) + " m", "tick end strong");
 }
 
 // Axes and scale round what `paint` draws.

@@ -50,7 +50,6 @@ constexpr Look kLooks[] = {
     {.name = "frame", .fill = "none", .stroke = "line", .width = 1},
     {.name = "grid", .stroke = "grid", .width = 1},
     {.name = "scale", .stroke = "ink", .width = 1.6},
-    {.name = "plate", .fill = "paper", .fill_opacity = 0.85},
     {.name = "swatch", .stroke = "soft", .width = 0.6},
     // Paths.
     {.name = "path", .fill = "none", .stroke = "robot", .stroke_opacity = 0.85, .width = 1.5},
