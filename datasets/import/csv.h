@@ -45,8 +45,10 @@ struct CsvImportOptions {
 // association; of observations where that is so of all), before the first control or after the last (a robot
 // that stood still there needs a row that says so), negative range, range 0, beyond the sensor's maximum,
 // outside its field of view, range or bearing alone, a landmark or a robot whose name means unknown
-// (name_index.h), no such observation (associations). Throws InputError "FILE:LINE: REASON: DETAIL"; of a
-// file of odometry, observations or true poses of which more than half of the rows were skipped, too.
+// (name_index.h), no such observation (associations). Rows of observations that are the same as an earlier
+// one in every column are left out and counted (unless there are associations). Throws InputError "FILE:LINE:
+// REASON: DETAIL"; of a file of odometry, observations or true poses of which more than half of the rows were
+// skipped, too.
 ImportReport ImportCsv(const CsvImportOptions& options, Blob* log);
 
 }  // namespace cairn::datasets
