@@ -20,16 +20,12 @@ import tempfile
 
 import h5py
 import numpy as np
-from scipy.optimize import least_squares
-from scipy.sparse import lil_matrix
+
+from least_squares import Problem, Track, Widths, laid_over, reckoned, wrap
 
 RATE_HZ, SPEED_MPS, LENGTH_M, LANDMARKS, SIGHTINGS = 10.0, 1.0, 200.0, 6, 220
 RANGE_SD_M, BEARING_SD_RAD = 0.10, np.radians(1.0)
 FORWARD_SD, WALK_SD = 0.02, np.radians(0.5)  # per root metre
-
-
-def wrap(a):
-    return np.arctan2(np.sin(a), np.cos(a))
 
 
 def drive(seed, drift_deg_per_m, scale):
@@ -95,73 +91,14 @@ def write(folder, path, odometry, landmarks, seen):
     table("truth_associations.csv", ["time_s", "landmark"], [[time(k), f"L{int(l)}"] for k, l, _, _ in seen])
 
 
-def reckon(odometry, bias, scale):
-    turn = odometry[:, 0] - bias * odometry[:, 1] / scale
-    heading = np.cumsum(turn)
-    xy = np.cumsum(odometry[:, 1:] / scale * np.column_stack([np.cos(heading), np.sin(heading)]), axis=0)
-    return np.vstack([np.zeros(3), np.column_stack([xy, heading])])
-
-
 def solve(odometry, seen, bias0):
-    """Least squares over poses where something was seen, landmarks, bias and scale."""
+    """Least squares over poses where something was seen, landmarks, bias and scale: half the sum of squares, steps, poses there."""
     steps = np.unique(np.r_[0, seen[:, 0].astype(int), len(odometry)])
-    index = {k: i for i, k in enumerate(steps)}
-    m = len(steps)
-
-    def increments(bias, scale):  # of each leg, in the frame of its first pose, and d/dbias, d/dscale numerically
-        out = []
-        for a, b in zip(steps[:-1], steps[1:]):
-            p = reckon(odometry[a:b], bias, scale)[-1]
-            out.append(p)
-        return np.array(out)
-
-    first = reckon(odometry, bias0, 1.0)[steps]
-    placed = np.zeros((LANDMARKS, 2))
-    count = np.zeros(LANDMARKS)
-    for k, l, r, b in seen:
-        p = first[index[int(k)]]
-        placed[int(l)] += p[:2] + r * np.array([np.cos(p[2] + b), np.sin(p[2] + b)])
-        count[int(l)] += 1
-    placed /= np.maximum(count, 1)[:, None]
-    length = np.array([odometry[a:b, 1].sum() for a, b in zip(steps[:-1], steps[1:])])
-    pose_of = np.array([index[int(k)] for k in seen[:, 0]])
-    of = seen[:, 1].astype(int)
-    sd_turn, sd_way = WALK_SD * np.sqrt(length), FORWARD_SD * np.sqrt(length)
-    sd_across = 0.6 * length * sd_turn + 1e-3
-
-    def residuals(v):
-        pose = np.vstack([np.zeros(3), v[: 3 * (m - 1)].reshape(-1, 3)])
-        marks = v[3 * (m - 1) : -2].reshape(-1, 2)
-        inc = increments(v[-2], v[-1])
-        d = pose[1:, :2] - pose[:-1, :2]
-        c, s = np.cos(pose[:-1, 2]), np.sin(pose[:-1, 2])
-        ex, ey = c * d[:, 0] + s * d[:, 1] - inc[:, 0], -s * d[:, 0] + c * d[:, 1] - inc[:, 1]
-        eh = pose[1:, 2] - pose[:-1, 2] - inc[:, 2]
-        # The walk of the heading goes into the end across: half of it.
-        way = marks[of] - pose[pose_of, :2]
-        er = np.hypot(*way.T) - seen[:, 2]
-        eb = wrap(np.arctan2(way[:, 1], way[:, 0]) - pose[pose_of, 2] - seen[:, 3])
-        across = (ey - 0.5 * length * eh) / (length * sd_turn / np.sqrt(12) + 1e-3)
-        return np.concatenate([ex / sd_way, across, eh / sd_turn, er / RANGE_SD_M, eb / BEARING_SD_RAD])
-
-    size = 3 * (m - 1) + 2 * LANDMARKS + 2
-    pattern = lil_matrix((3 * (m - 1) + 2 * len(seen), size), dtype=int)
-    for e in range(m - 1):
-        for row in (e, m - 1 + e, 2 * (m - 1) + e):
-            for pose in (e, e + 1):
-                if pose > 0:
-                    pattern[row, 3 * (pose - 1) : 3 * pose] = 1
-            pattern[row, -2:] = 1
-    for i in range(len(seen)):
-        for row in (3 * (m - 1) + i, 3 * (m - 1) + len(seen) + i):
-            if pose_of[i] > 0:
-                pattern[row, 3 * (pose_of[i] - 1) : 3 * pose_of[i]] = 1
-            at = 3 * (m - 1) + 2 * of[i]
-            pattern[row, at : at + 2] = 1
-    start = np.concatenate([first[1:].ravel(), placed.ravel(), [bias0, 1.0]])
-    fit = least_squares(residuals, start, jac_sparsity=pattern, method="trf", x_scale="jac", max_nfev=100)
-    pose = np.vstack([np.zeros(3), fit.x[: 3 * (m - 1)].reshape(-1, 3)])
-    return fit.cost, steps, pose, fit.x[3 * (m - 1) : -2].reshape(-1, 2), fit.x[-2:]
+    track = Track(odometry, steps)
+    widths = Widths(WALK_SD, 0.0, FORWARD_SD, 0.0, range_m=RANGE_SD_M, bearing_rad=BEARING_SD_RAD)
+    rows = np.column_stack([np.zeros(len(seen)), np.searchsorted(steps, seen[:, 0]), seen[:, 1:]])
+    cost, poses, _, _ = Problem([track], rows, widths).solve([reckoned(track, bias0)], [(bias0, 1.0)])
+    return cost, steps, poses[0]
 
 
 def best(odometry, seen):
@@ -190,14 +127,6 @@ def mapped(cairn, folder, kind, arguments):
         return path, poses["covariance"][:, :2, :2], said[0]
 
 
-def laid_over(a, b):
-    """a [n,2] after the rigid motion that lays it best over b, and that motion's turn [2,2]."""
-    a0, b0 = a - a.mean(0), b - b.mean(0)
-    u, _, vt = np.linalg.svd(a0.T @ b0)
-    turn = u @ np.diag([1, np.sign(np.linalg.det(u @ vt))]) @ vt
-    return a0 @ turn + b.mean(0), turn
-
-
 def at_times(times, path):
     return np.column_stack([np.interp(times, path[:, 0], path[:, k]) for k in (1, 2)])
 
@@ -219,7 +148,7 @@ def main():
                 path, odometry, landmarks, seen = drive(seed, drift, scale_of(seed, drift))
                 folder = (a.keep or pathlib.Path(scratch)) / f"{seed}-{drift}"
                 write(folder, path, odometry, landmarks, seen)
-                _, steps, pose, _, _ = best(odometry, seen)
+                _, steps, pose = best(odometry, seen)
                 peer = np.sqrt(((laid_over(pose[:, :2], path[steps, :2])[0] - path[steps, :2]) ** 2).sum(1).mean())
                 ours, covariance, verdict = mapped(a.cairn, folder, "nameless" if a.nameless else "named", a.arguments)
                 if ours is None:
