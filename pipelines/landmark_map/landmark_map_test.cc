@@ -278,16 +278,33 @@ double LargestVariance(const Blob& result, std::size_t poses) {
 // Round the first lap nothing is seen twice: only what comes later tells where the robot was.
 TEST(LandmarkMap, WithoutRevisionTheFirstLapStaysAsUncertainAsOdometryIs) {
   const Blob log = SquareLog{.laps = 3, .side_m = 20.0, .walk_rad_per_sqrt_m = 0.02}.Make();
-  Options options{.cell_m = 1.0, .starts = 1};
+  Options options{.cell_m = 1.0, .refine = false, .starts = 1};
   const double revised = LargestVariance(*Map(log, options), 60);
   options.revise = false;
   const double forward = LargestVariance(*Map(log, options), 60);
   EXPECT_GT(forward, 2.0 * revised);
 }
 
+// Contact detections do not tell the scale of the odometry's distances: among the landmarks a corner may be
+// as far out as the log says that they err.
+TEST(LandmarkMap, ContactsLandmarksAreAsUncertainAsTheScaleOfDistances) {
+  for (const double ratio : {0.05, 0.1}) {
+    Blob log = SquareLog{.laps = 4, .side_m = 20.0}.Make();
+    log.PutScalar<double>("noise/forward_ratio", ratio);
+    const BlobPtr result = Map(log, {.cell_m = 1.0, .starts = 1});
+    const auto covariance = result->Get<double>("map/landmark_covariance_m2");
+    ASSERT_EQ(covariance.size(), 16U);
+    for (std::size_t l = 0; l < 4; ++l) {
+      const double variance_m2 = covariance[4 * l] + covariance[4 * l + 3];
+      EXPECT_NEAR(std::sqrt(variance_m2), ratio * std::hypot(10.0, 10.0), 0.25 * ratio * 14.0) << ratio;
+    }
+  }
+}
+
 TEST(LandmarkMap, BeliefsAreThoseOfThePoses) {
   const Blob log = SquareLog{.laps = 2, .side_m = 20.0}.Make();
-  const BlobPtr result = Map(log, {.cell_m = 1.0, .beliefs = true, .starts = 1, .slice_mcells = 0.1});
+  const BlobPtr result =
+      Map(log, {.cell_m = 1.0, .refine = false, .beliefs = true, .starts = 1, .slice_mcells = 0.1});
   const LayeredGrid beliefs = LayeredGrid::Load("robot/0/beliefs/", *result);
   const auto step_s = result->Get<double>("robot/0/beliefs/time_s");
   const auto pose_s = result->Get<double>("robot/0/poses/time_s");

@@ -91,6 +91,30 @@ void FindInImages(const kinds::Log& log, const Settings& settings, const std::ve
   }
 }
 
+// Whether these observations say where a robot is and how it faces: they are of two landmarks at least.
+bool HoldARobot(const RowAssociations& rows) {
+  std::vector<std::int32_t> seen;
+  for (std::size_t i = 0; i < rows.landmark.size(); ++i)
+    if (rows.landmark[i] >= 0 && rows.probability[i] >= 0.5) seen.push_back(rows.landmark[i]);
+  return std::ranges::any_of(seen, [&](std::int32_t landmark) { return landmark != seen.front(); });
+}
+
+// Of contact detections whose landmarks the least squares has placed: the paths, too, and all covariances by
+// the widths that errors show. Not where it would move a landmark by more than the core, or
+// where a robot hangs on one landmark.
+void RefineContacts(const kinds::Log& log, const std::vector<AssociatedPath>& paths, const Settings& settings,
+                    RefinedMap* map) {
+  if (!std::ranges::all_of(map->rows, HoldARobot)) return;
+  JointRefinement joint = RefineJointly(log, paths, map->rows, settings, map->landmarks);
+  if (!joint.refused.empty()) return;
+  for (std::size_t l = 0; l < joint.landmarks.size(); ++l) {
+    const Landmark &before = map->landmarks[l], &now = joint.landmarks[l];
+    if (!(std::hypot(now.x_m - before.x_m, now.y_m - before.y_m) <= settings.map.core_m)) return;
+  }
+  map->landmarks = std::move(joint.landmarks);
+  map->contact_paths = std::move(joint.paths);
+}
+
 // The steps of all robots; they are of this log's rows.
 std::vector<RobotSteps> StepsIn(const kinds::Log& log, const Settings& settings, const Inputs& inputs) {
   RequireSize("the map's identities", static_cast<std::size_t>(settings.map.types), log.landmarks.size());
@@ -148,6 +172,7 @@ RefinedMap RefineMapOf(const Blob& blob, const Settings& settings, const Inputs&
       std::ranges::none_of(map.found, is_named))
     map.shift = WeighShifts(log, paths, settings, &map.found, &map.rows, &map.refined);
   if (refines) map.landmarks = map.refined.landmarks;
+  if (!jointly && not_refined.empty()) RefineContacts(log, paths, settings, &map);
   map.not_refined = map.refined.refused.empty() ? std::move(not_refined) : "refused: " + map.refined.refused;
   return map;
 }

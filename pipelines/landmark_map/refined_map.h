@@ -20,6 +20,8 @@ struct RefinedMap {
   std::vector<Landmark> found;        // the same, where EM left them
   std::vector<RowAssociations> rows;  // of each robot
   JointRefinement refined;
+  // Of each robot, where all observations are contact detections and the landmarks were refined.
+  std::vector<RefinedPath> contact_paths;
   std::vector<MovedLandmark> moved;
   std::optional<WeighedShift> shift;
   std::string not_refined;  // why the landmarks are not those of the least squares; empty: they are

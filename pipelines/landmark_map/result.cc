@@ -316,6 +316,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   const std::vector<RobotSteps>& steps = map.steps;
   std::vector<Landmark>& landmarks = map.landmarks;
   const JointRefinement& refined = map.refined;
+  const std::vector<RefinedPath>& paths = refined.paths.empty() ? map.contact_paths : refined.paths;
   Blob result;
   result.Put("robots", log.robots.array());
   result.Put("landmarks", log.landmarks.array());
@@ -326,12 +327,12 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
     const Odometry track = Until(Integrate(log.robot[r].odometry, robots[r]), settings.steps.until_s);
     const std::vector<Blob> summaries = sum.SummariesOf(r);
     PathWriter(steps[r], track, summaries, odometry[r].drift_rad_per_m, 0.5 * settings.map.grid.cell_m,
-               settings.steps.until_s, refined.paths.empty() ? nullptr : &refined.paths[r])
+               settings.steps.until_s, paths.empty() ? nullptr : &paths[r])
         .Write(prefix + "poses/", &result);
     PutAssociations(map.rows[r], prefix + "observations/", &result);
     PutBeliefs(steps[r], summaries, settings, prefix + "beliefs/", &result);
     const double drift_rad_per_m =
-        refined.paths.empty() ? odometry[r].drift_rad_per_m : refined.paths[r].errors().drift_rad_per_m;
+        paths.empty() ? odometry[r].drift_rad_per_m : paths[r].errors().drift_rad_per_m;
     result.PutScalar<double>(prefix + "heading_drift_rad_per_m", drift_rad_per_m);
     result.PutScalar<double>(prefix + "heading_walk_rad_per_sqrt_m", odometry[r].heading_walk_rad_per_sqrt_m);
     result.PutScalar<double>(prefix + "turn_ratio", odometry[r].turn_ratio);

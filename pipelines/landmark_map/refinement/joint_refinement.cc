@@ -115,6 +115,8 @@ struct Built {
   std::vector<Odometry> odometry;
 };
 
+double WayPrior(const Settings& settings) { return std::max(settings.noise.forward_ratio, 0.02); }
+
 Built Build(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
             const std::vector<RowAssociations>& associated, const Settings& settings,
             const std::vector<Landmark>& landmarks) {
@@ -150,8 +152,7 @@ Built Build(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
   // Wide, for a data sheet may be wrong by a factor; the scale of a way no contact detection tells.
   const double least_drift = (log.noise.heading_drift_rad_per_m ? 0.1 : 1.0) * kDegreeInRad;
   built.problem.priors = {std::max(settings.noise.heading_drift_rad_per_m, least_drift),
-                          ranged ? std::max(settings.noise.forward_ratio, 0.02) : 0.0,
-                          std::min(settings.noise.turn_ratio, kTurns)};
+                          ranged ? WayPrior(settings) : 0.0, std::min(settings.noise.turn_ratio, kTurns)};
   return built;
 }
 
@@ -319,7 +320,11 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
     if (!(std::max(std::abs(errors.way), std::abs(errors.turn)) < kMostScale))
       return {kinds::kOdometryWrongByHalf, landmarks, {}, {}, {}};
   }
-  const LeastSquaresCovariances covariances = CovariancesOf(problem, end.point);
+  // The scale that contact detections do not tell is uncertain all the same, and with it all places.
+  LeastSquaresProblem considered = problem;
+  // At its middle a Cauchy prior is as narrow as a Gaussian of 1 / sqrt(2) its scale.
+  if (!(problem.priors.way > 0.0)) considered.priors.way = std::numbers::sqrt2 * WayPrior(settings);
+  const LeastSquaresCovariances covariances = CovariancesOf(considered, end.point);
   if (covariances.landmarks.empty()) return {"the least squares has no solution", landmarks, {}, {}, {}};
   JointRefinement refined{"",
                           landmarks,

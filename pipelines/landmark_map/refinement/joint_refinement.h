@@ -27,7 +27,8 @@ struct JointRefinement {
 };
 
 // Unknown are the poses at all observations of landmarks, the landmarks, and each robot's drift and scales
-// (of ways only where ranges tell it); widths are estimated too. An observation is of the landmark that it
+// (of ways only where ranges tell it; elsewhere the covariances count it as uncertain); widths are estimated
+// too. An observation is of the landmark that it
 // names, or of that which `rows`, of each robot, take it for, if that is likelier than not. It descends from
 // EM's path and from odometry's, which is taken up piece by piece, and the better end counts. Not where EM's
 // own path explains more.
