@@ -234,9 +234,9 @@ def _of_no_width(dataset: h5py.Dataset) -> npt.NDArray[np.object_]:
     for row in np.ndindex(dataset.shape[:-1]):
         begin = 0
         while begin < dataset.shape[-1]:
-            part = (*row, slice(begin, begin + size))
+            part: Any = (*row, slice(begin, begin + size))
             values[part] = dataset[part]
-            held += sum(map(len, values[part]))
+            held += sum(len(text) for text in values[part])
             if held > file_bytes:  # they are never packed
                 raise ValueError("its texts are more than its file")
             begin, size = begin + size, min(2 * size, most)
