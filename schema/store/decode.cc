@@ -442,7 +442,8 @@ Status ReadInParts(hid_t file, const std::string& name, std::uint64_t most_bytes
   if (opened.value().variable_text || opened.value().info.shape.empty()) {
     const Result<Array> whole = ReadDataset(file, name, most_bytes);
     if (!whole.ok()) return whole.status();
-    return take(whole.value().bytes()) ? Status::Ok() : refused;
+    const std::span<const std::byte> bytes = whole.value().bytes();
+    return bytes.empty() || take(bytes) ? Status::Ok() : refused;
   }
   const Handle access = AccessInOrder(opened.value());
   opened = OpenDataset(file, name, access.get());
