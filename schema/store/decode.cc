@@ -456,7 +456,7 @@ Status ReadInParts(hid_t file, const std::string& name, std::uint64_t most_bytes
     if (!bytes.empty() &&
         H5Dread(open.dataset.get(), type.get(), part.memory, part.file, H5P_DEFAULT, bytes.data()) < 0)
       return Damaged(name);
-    return take(bytes) ? Status::Ok() : refused;
+    return bytes.empty() || take(bytes) ? Status::Ok() : refused;
   });
 }
 
