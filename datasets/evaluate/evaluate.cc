@@ -133,15 +133,33 @@ class Evaluator {
 
   void Align() {
     const std::vector<PointPair> positions = PairsOfPoses();
-    if (!positions.empty()) {
+    const bool both = !extracted_.empty() && !true_.empty();
+    if (!positions.empty() && !(both && InOnePlace(positions))) {
       out_.aligned_on = "poses";
       out_.alignment = FitRigid(positions);
-    } else if (!extracted_.empty() && !true_.empty()) {
+    } else if (both) {
       out_.aligned_on = "landmarks";
       out_.alignment = AlignOnLandmarks();
     } else {
       out_.aligned_on = "nothing";
     }
+  }
+
+  // Whether the robots' true places lie so close together, seen from their mean beside the true landmarks,
+  // that the least error of theirs would turn the map: robots that turn on the spot.
+  bool InOnePlace(const std::vector<PointPair>& positions) const {
+    constexpr double kLeastSpread = 0.05;
+    const auto count = static_cast<double>(positions.size());
+    Point mean;
+    for (const PointPair& pair : positions) {
+      mean.x_m += pair.to.x_m / count;
+      mean.y_m += pair.to.y_m / count;
+    }
+    const auto square = [&](Point at) { return std::pow(DistanceM(at, mean), 2); };
+    double places = 0, landmarks = 0;
+    for (const PointPair& pair : positions) places += square(pair.to) / count;
+    for (const Point& at : true_) landmarks += square(at) / static_cast<double>(true_.size());
+    return places < kLeastSpread * kLeastSpread * landmarks;
   }
 
   // Landmarks whose identities are known, as indices into true_.

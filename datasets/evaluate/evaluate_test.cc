@@ -203,6 +203,22 @@ TEST(Evaluate, WithoutTruePosesAlignsOnTheLandmarks) {
 }
 
 // A square looks the same four times; names say which way it lies, though the log has no true poses.
+// A robot that turns on the spot: its places, 1 cm off here and there, would turn the map by any angle.
+TEST(Evaluate, ARobotThatStaysInOnePlaceIsAlignedOnTheLandmarks) {
+  Blob log = SquareLog();
+  for (const std::string axis : {"x_m", "y_m"})
+    log.PutVector("truth/robot/0/poses/" + axis, std::vector<double>(5, 3.0));
+  Blob result = PerfectLandmarkMap(log);
+  result.PutVector("robot/0/poses/mode_x_m", std::vector<double>{3.01, 2.99, 3, 3.01, 3});
+  result.PutVector("robot/0/poses/mode_y_m", std::vector<double>{3, 3.01, 2.99, 3, 3.01});
+  const Evaluation e = Evaluate(Moved(result, {1, 2, 40, 9}, 1), log);
+  EXPECT_EQ(e.aligned_on, "landmarks");
+  EXPECT_EQ(e.landmarks->found, 4);
+  EXPECT_LT(*e.landmarks->rmse_m, 1e-9);
+  EXPECT_LT(*e.trajectory_rmse_m, 0.02);
+  EXPECT_LT(*e.robots[0].heading_rmse_rad, 1e-9);
+}
+
 TEST(Evaluate, KnownIdentitiesDecideTheAlignmentAndTheMatching) {
   Blob log = SquareLog().Without("truth/robot/0/poses/");
   log.Put("landmarks", Array::Texts({"l3", "l2", "l1", "l0"}));
