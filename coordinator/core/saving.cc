@@ -9,7 +9,7 @@
 namespace cairn::coordinator {
 namespace {
 
-constexpr double kYoung = 0.25;  // of the interval
+constexpr double kYoung = 1;  // intervals
 // The event loop takes one to two microseconds to make a checkpoint of each partial: that is to be a few
 // hundredths of its time, however many a round has.
 constexpr double kPartial_s = 30e-6;
