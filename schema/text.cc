@@ -38,6 +38,22 @@ std::string WhatIsWrongWithElement(std::string_view padded, bool alone, std::siz
   return alone ? WhatIsWrongWithText(text) : WhatIsWrongWithName(text, most_bytes);
 }
 
+// HDF5 would silently drop parts that are empty and '.', and the name would not come back.
+std::string WhatIsWrongWithDataset(const Blob& blob, const std::string& name) {
+  if (std::string wrong = WhatIsWrongWithName(name, kMostDatasetBytes); !wrong.empty()) return wrong;
+  if (std::count(name.begin(), name.end(), '/') >= kMostLevels)
+    return "lies in groups within groups, more than " + std::to_string(kMostLevels) + " deep";
+  for (std::size_t at = 0; at <= name.size();) {
+    const std::size_t end = std::min(name.find('/', at), name.size());
+    const std::string part = name.substr(at, end - at);
+    if (part.empty() || part == ".") return "has a part that is empty or '.'";
+    if (end < name.size() && blob.Has(std::string_view(name).substr(0, end)))
+      return "lies in '" + name.substr(0, end) + "', which is a dataset";
+    at = end + 1;
+  }
+  return "";
+}
+
 }  // namespace
 
 std::size_t Utf8Bytes(std::string_view text, std::size_t at) {
@@ -72,11 +88,21 @@ std::string WhatIsWrongWithName(std::string_view name, std::size_t most_bytes) {
 
 std::string WhatIsWrongWithText(std::string_view text) { return WhatIsWrong(text, true); }
 
-Status CheckTexts(const Blob& blob) {
+Status CheckForms(const Blob& blob) {
   for (const auto& [name, array] : blob.fields()) {
-    if (const std::string wrong = WhatIsWrongWithName(name, kMostDatasetBytes); !wrong.empty())
+    if (const std::string wrong = WhatIsWrongWithDataset(blob, name); !wrong.empty())
       return {Code::kCorrupt,
               "the name of the dataset '" + Escaped(name.substr(0, kMostNameBytes)) + "' " + wrong};
+    if (array.shape().size() > kMostDimensions)
+      return {Code::kCorrupt,
+              "dataset '" + name + "': of more than " + std::to_string(kMostDimensions) + " dimensions"};
+  }
+  return Status::Ok();
+}
+
+Status CheckTexts(const Blob& blob) {
+  if (Status forms = CheckForms(blob); !forms.ok()) return forms;
+  for (const auto& [name, array] : blob.fields()) {
     if (array.type() != DType::kText) continue;
     const bool is_name = name == "robots" || name == "landmarks" || name == "runs";
     const std::size_t most = is_name ? kMostNameBytes : kMostTextBytes, width = array.item_bytes();

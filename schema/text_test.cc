@@ -77,6 +77,25 @@ TEST(CheckTexts, LooksAtEveryNameAndEveryText) {
       "dataset 'robots': 'a\\u0000b' has control characters");
 }
 
+TEST(CheckForms, AreThoseThatAFileHoldsAndGivesBack) {
+  const auto check = [](const std::vector<std::string>& names, const Shape& shape = {1}) {
+    Blob blob;
+    for (const std::string& name : names)
+      blob.Put(name, Array::FromBytes(DType::kU8, 1, shape, std::as_bytes(std::span("a", 1))).value());
+    return CheckForms(blob).message();
+  };
+  EXPECT_EQ(check({"a", "b/a", "b/a-1", "b/ab/c"}), "");
+  for (const std::string name : {"", "/", "/a", "a/", "a//b", ".", "a/./b"})
+    EXPECT_EQ(check({name}), "the name of the dataset '" + name + "' has a part that is empty or '.'");
+  EXPECT_EQ(check({"a", "a-", "a/b"}), "the name of the dataset 'a/b' lies in 'a', which is a dataset");
+  std::string deep = "a";
+  for (int i = 0; i < 31; ++i) deep += "/a";
+  EXPECT_EQ(check({deep}), "");
+  EXPECT_NE(check({deep + "/a"}).find("more than 32 deep"), std::string::npos);
+  EXPECT_EQ(check({"a"}, Shape(32, 1)), "");
+  EXPECT_EQ(check({"a"}, Shape(33, 1)), "dataset 'a': of more than 32 dimensions");
+}
+
 TEST(Printable, LeavesWordsOfAnyLanguageAsTheyAre) {
   EXPECT_EQ(Printable("größe 日本 🜨", 100), "größe 日本 🜨");
   EXPECT_EQ(Printable("", 100), "");

@@ -91,6 +91,7 @@ bool Core::AcceptPartial(Job& job, const TaskDone& event, Worker& worker, bool h
   if (partial.empty() || !(came || MayName(job, worker, partial))) wrong = "its answer came without its blob";
   if (event.blobs.size() > 1 || (event.blobs.size() == 1 && !came))
     wrong = "its answer came with a blob that it does not name";
+  if (!event.wrong.empty()) wrong = event.wrong;
   if (!wrong.empty()) {
     if (had_it) Exclude(job, key, worker, wrong);
     return false;
@@ -124,6 +125,7 @@ bool Core::AcceptPlan(Job& job, const TaskDone& event, Worker& worker, bool had_
     for (const Hash& blob : BlobsOfStep(step))
       if (!came.contains(blob) && !MayName(job, worker, blob))
         wrong = "its plan names the blob " + blob.Hex() + ", which is neither the job's nor came with it";
+  if (!event.wrong.empty()) wrong = event.wrong;
   if (!wrong.empty()) {
     if (had_it) Exclude(job, key, worker, wrong);
     return false;

@@ -41,6 +41,7 @@ struct TaskDone {
   std::string peer;
   wire::Done done;
   std::vector<Hash> blobs;  // that came with it; the shell has them
+  std::string wrong = {};   // why one of them is none that can be kept
 };
 struct TaskFailed {
   std::string peer;

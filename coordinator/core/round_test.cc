@@ -105,6 +105,17 @@ TEST(CheckStep, NamesWhatIsWrong) {
 }
 
 // Whether a blob has such rows only who has it can tell.
+// 600,000 of them stopped the event loop for seconds.
+TEST(CheckStep, AStateOfTooManyFiguresIsRefused) {
+  proto::Step step = Chain(2);
+  for (int i = 0; i <= 20'000; ++i) (*step.mutable_state()->mutable_scalars())[std::to_string(i)];
+  EXPECT_EQ(CheckStep(step), "a state of more than 20000 figures or blobs");
+  step.mutable_state()->clear_scalars();
+  EXPECT_EQ(CheckStep(step), "");
+  for (int i = 0; i <= 500'000; ++i) (*step.mutable_tasks(1)->mutable_params())[std::to_string(i)];
+  EXPECT_EQ(CheckStep(step), "a round whose tasks have more than 500000 parameters");
+}
+
 TEST(CheckStep, APartIsOfABlobAndHasRowsThatCanBe) {
   const auto with = [](const proto::BlobPart& part, std::int64_t rows = 0, bool of_task = false) {
     proto::Step step = TestStep(2);

@@ -17,6 +17,8 @@ constexpr int kMostPhases = 100;
 // Of a round; the largest that a pipeline has planned was of some thousands.
 constexpr int kMostTasks = 200'000;
 constexpr std::size_t kMostInputs = 500'000;  // each takes the coordinator a kilobyte
+// A state goes with every task, and is copied for it; a pipeline's own has some dozens of figures.
+constexpr std::size_t kMostFigures = 20'000, kMostParameters = 500'000;
 
 constexpr double kMostAmount = 1e15;  // sums of more would be no times
 
@@ -43,11 +45,18 @@ std::string CheckTask(const proto::Task& task, std::uint32_t place) {
 }  // namespace
 
 std::string CheckStep(const proto::Step& step) {
-  std::size_t inputs = 0;
-  for (const proto::Task& task : step.tasks()) inputs += static_cast<std::size_t>(task.inputs_size());
+  std::size_t inputs = 0, parameters = 0;
+  for (const proto::Task& task : step.tasks()) {
+    inputs += static_cast<std::size_t>(task.inputs_size());
+    parameters += task.params().size();
+  }
   if (step.tasks_size() > kMostTasks) return "a round of more than " + std::to_string(kMostTasks) + " tasks";
   if (inputs > kMostInputs)
     return "a round whose tasks have more than " + std::to_string(kMostInputs) + " inputs";
+  if (parameters > kMostParameters)
+    return "a round whose tasks have more than " + std::to_string(kMostParameters) + " parameters";
+  if (step.state().scalars().size() > kMostFigures || step.state().blobs().size() > kMostFigures)
+    return "a state of more than " + std::to_string(kMostFigures) + " figures or blobs";
   for (int i = 0; i < step.tasks_size(); ++i) {
     const std::string wrong = CheckTask(step.tasks(i), static_cast<std::uint32_t>(i));
     if (!wrong.empty()) return wrong;

@@ -18,6 +18,17 @@ constexpr std::size_t kLineBytes = 16'384;  // of the log
 // Over one connection: who waits for an answer before it asks again never has so much to read.
 constexpr std::size_t kMostUnreadAnswers = 1 << 20;
 
+// What came is written into files in the end, and a result gets its provenance from the coordinator.
+std::string WhyNotKept(const wire::Done& done, const std::vector<wire::NamedBlob>& blobs) {
+  for (const wire::NamedBlob& named : blobs) {
+    if (Status texts = CheckTexts(*named.blob); !texts.ok())
+      return "its answer came with a blob that no file holds: " + texts.message();
+    if (done.step().result() == named.hash.Binary() && !named.blob->Sub("provenance/").fields().empty())
+      return "its result has a provenance already";
+  }
+  return "";
+}
+
 }  // namespace
 
 Server::Server(const StoreFolder& folder, Transport& transport, JobTable table, ServerOptions options,
@@ -193,7 +204,7 @@ void Server::Take(const std::string& peer, const std::string& user, wire::Envelo
     case wire::Envelope::kDone: {
       proto::Step* step = envelope.done().has_step() ? envelope.mutable_done()->mutable_step() : nullptr;
       if (step != nullptr) step->set_note(Printable(step->note(), most));
-      return Handle(TaskDone{peer, envelope.done(), KeepBlobs(blobs)});
+      return Handle(TaskDone{peer, envelope.done(), KeepBlobs(blobs), WhyNotKept(envelope.done(), blobs)});
     }
     case wire::Envelope::kFailed:
       envelope.mutable_failed()->set_message(Printable(envelope.failed().message(), most));

@@ -242,6 +242,25 @@ TEST(Server, ARefusedMessageIsCountedAndNothingElseNotices) {
   EXPECT_EQ(fixture.server->refusals().count(wire::RefusalKind::kMalformed), 1u);
 }
 
+// Its job could neither be saved nor cancelled, or its result not be read.
+TEST(Server, AResultThatNoFileHoldsIsNotTaken) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"a", "a/b"}, "lies in 'a', which is a dataset"},
+      {{"a\nb"}, "has control characters"},
+      {{"provenance/kind"}, "its result has a provenance already"}};
+  for (const auto& [names, why] : cases) {
+    ServerFixture fixture;
+    Blob blob;
+    for (const std::string& name : names) blob.PutScalar(name, 1.0);
+    fixture.transport.results["w"] = wire::NameBlob(std::make_shared<const Blob>(std::move(blob)));
+    fixture.transport.ComeWorker("w");
+    fixture.Submit();
+    fixture.Until([&] { return fixture.State() == "failed"; });
+    EXPECT_NE(fixture.server->core().Find("a")->reason().find(why), std::string::npos)
+        << fixture.server->core().Find("a")->reason();
+  }
+}
+
 TEST(Server, AWorkerWhoseConnectionIsGoneIsLostBeforeItsLeaseIsOver) {
   ServerFixture fixture;
   fixture.transport.swallow = [](const wire::Assign&) { return true; };

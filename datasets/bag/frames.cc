@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <string_view>
 
 #include "datasets/bag/bytes.h"
 
@@ -90,8 +92,9 @@ void FrameTree::Add(const std::string& parent, const std::string& child, double 
 
 std::vector<std::string> FrameTree::ChainOf(const std::string& frame) const {
   std::vector<std::string> chain = {frame};
+  std::set<std::string_view> seen = {frame};
   for (auto at = frames_.find(frame); at != frames_.end(); at = frames_.find(at->second.parent)) {
-    if (std::ranges::find(chain, at->second.parent) != chain.end()) break;  // a circle
+    if (!seen.insert(at->second.parent).second) break;  // a circle
     chain.push_back(at->second.parent);
   }
   return chain;
@@ -99,7 +102,8 @@ std::vector<std::string> FrameTree::ChainOf(const std::string& frame) const {
 
 std::optional<FrameTree::Mount> FrameTree::Find(const std::string& base, const std::string& frame) const {
   const std::vector<std::string> from = ChainOf(base), to = ChainOf(frame);
-  const auto meets = std::ranges::find_first_of(from, to);
+  const std::set<std::string_view> of_frame(to.begin(), to.end());
+  const auto meets = std::ranges::find_if(from, [&](const auto& name) { return of_frame.contains(name); });
   if (meets == from.end()) return std::nullopt;
   Mount mount;
   // Of a frame on the one where the two chains meet.

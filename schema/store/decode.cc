@@ -341,7 +341,6 @@ herr_t LookAtLink(hid_t file, const char* name, const H5L_info_t* info, void* da
   const std::string quoted = std::string("'") + name + "' is a ";
   H5O_info_t object;
   // HDF5 goes each time from the root to what it is asked for, and no array of Cairn's lies half so deep.
-  constexpr std::ptrdiff_t kMostLevels = 32;
   if (std::count(name, name + std::strlen(name), '/') >= kMostLevels) {
     links.refused = "groups within groups, more than " + std::to_string(kMostLevels) + " deep";
   } else if (info->type == H5L_TYPE_SOFT) {

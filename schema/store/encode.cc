@@ -17,6 +17,7 @@
 #include "schema/store/checksum_trailer.h"
 #include "schema/store/hdf5_handle.h"
 #include "schema/store/layout.h"
+#include "schema/text.h"
 
 namespace cairn::store {
 namespace {
@@ -197,18 +198,6 @@ bool PutDataset(hid_t file, const std::string& name, const Array& array) {
   return array.size() == 0 || WriteElements(dataset, type, space, array);
 }
 
-// HDF5 would silently drop empty and "." parts, and the name would not come back.
-bool NameHolds(const std::string& name) {
-  if (name.find('\0') != std::string::npos) return false;
-  for (std::size_t at = 0; at <= name.size();) {
-    const std::size_t end = std::min(name.find('/', at), name.size());
-    const std::string part = name.substr(at, end - at);
-    if (part.empty() || part == ".") return false;
-    at = end + 1;
-  }
-  return true;
-}
-
 void AppendTrailer(std::size_t end, FileImage* image) {
   if (image->size < end + kTrailerBytes) {
     void* grown = std::realloc(image->data.get(), end + kTrailerBytes);
@@ -257,19 +246,12 @@ Status PutBlob(const Handle& file, const std::string& kind, const Blob& blob, co
   return Status::Ok();
 }
 
-Status CheckNames(const Blob& blob) {
-  for (const auto& [name, array] : blob.fields()) {
-    if (!NameHolds(name)) return {Code::kIo, "dataset '" + name + "': not a name that a file can hold"};
-  }
-  return Status::Ok();
-}
-
 }  // namespace
 
 Result<FileImage> EncodeBlob(const std::string& kind, const Blob& blob) {
   const std::lock_guard lock(LibraryMutex());
   const QuietErrors quiet;
-  if (Status names = CheckNames(blob); !names.ok()) return names;
+  if (Status forms = CheckForms(blob); !forms.ok()) return forms;
   const GroupSizes sizes = SizesOf(blob);
   FileImage image;
   Handle file = CreateInMemory(ExpectedBytes(blob), sizes.at(""), &image);
@@ -290,7 +272,7 @@ Status EncodeBlobInto(const std::filesystem::path& temporary, const std::filesys
   {
     const std::lock_guard lock(LibraryMutex());
     const QuietErrors quiet;
-    if (Status names = CheckNames(blob); !names.ok()) return named(names);
+    if (Status forms = CheckForms(blob); !forms.ok()) return named(forms);
     const GroupSizes sizes = SizesOf(blob);
     const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     H5Pset_file_locking(access.get(), false, true);  // nobody else knows its name

@@ -54,11 +54,12 @@ class FakeTransport : public Transport {
   std::map<std::string, std::string> users;  // of the workers that are played, by peer
   std::function<bool(const wire::Assign&)> swallow = [](const wire::Assign&) { return false; };
 
+  std::map<std::string, wire::NamedBlob> results;  // of the workers that are played, in place of their own
   void Come(const std::string& peer, wire::Message message, const std::string& user = "") {
     queue_.push_back({peer, Status::Ok(), std::move(message), user});
   }
   void ComeAnswer(const std::string& peer, const wire::Assign& assign) {
-    Come(peer, Answer(assign), users[peer]);
+    Come(peer, AnswerOf(peer, assign), users[peer]);
   }
   void ComeDamaged(const std::string& peer, Code code = Code::kCorrupt) {
     queue_.push_back({peer, Status(code, "no message"), {}});
@@ -90,7 +91,7 @@ class FakeTransport : public Transport {
     if (gone.contains(peer)) return false;
     if (message.envelope.has_assign()) {
       ++assigned;
-      if (!swallow(message.envelope.assign())) Come(peer, Answer(message.envelope.assign()), users[peer]);
+      if (!swallow(message.envelope.assign())) ComeAnswer(peer, message.envelope.assign());
       return true;
     }
     if (deaf.contains(peer))
@@ -111,6 +112,14 @@ class FakeTransport : public Transport {
   void Wake() override { const std::lock_guard lock(wake); }
 
  private:
+  wire::Message AnswerOf(const std::string& peer, const wire::Assign& assign) const {
+    wire::Message message = Answer(assign);
+    const auto result = results.find(peer);
+    if (message.envelope.done().step().result().empty() || result == results.end()) return message;
+    message.blobs = {result->second};
+    message.envelope.mutable_done()->mutable_step()->set_result(result->second.hash.Binary());
+    return message;
+  }
   wire::Message Answer(const wire::Assign& assign) const {
     wire::Message message;
     wire::Done& done = *message.envelope.mutable_done();
