@@ -18,9 +18,9 @@ namespace {
 
 constexpr double kLongest_s = 5;  // between the scans of a pair
 
-// Dead reckoning by odometry that means something else than it says.
+// Dead reckoning by odometry that means something else than it says; and what a sensor sees that is turned.
 struct Reading {
-  double forward = 1, turn = 1, delay_s = 0;
+  double forward = 1, turn = 1, delay_s = 0, sensor_rad = 0;
 };
 
 class Reckoning {
@@ -268,10 +268,17 @@ std::vector<double> ErrorsOfBestDrift(const std::vector<SeenTurn>& turns, const 
   return best;
 }
 
-// Pairs of observations soon after each other, between which the robot turns or drives: of one landmark, or,
-// where they do not say of which, perhaps of one.
-std::vector<SeenTurn> FindSeenAgain(const kinds::Log::Observations& seen, const Reckoning& odometry) {
-  constexpr double kLeastTurn_rad = 0.15, kMostTurn_rad = 1.5, kMostDriven_m = 5;
+// Between two observations.
+struct Moved {
+  double turned_rad, driven_m;
+};
+
+// Pairs of observations soon after each other, between which the robot moves as is asked for: of one
+// landmark, or, where they do not say of which, perhaps of one.
+template <class IsWanted>
+std::vector<SeenTurn> FindSeenAgain(const kinds::Log::Observations& seen, const Reckoning& odometry,
+                                    const IsWanted& is_wanted) {
+  constexpr double kMostDriven_m = 5;
   constexpr std::size_t kNext = 4, kMostPairs = 2000;
   std::vector<SeenTurn> pairs;
   const auto point = [&](std::size_t i) -> std::vector<Point> {
@@ -286,12 +293,11 @@ std::vector<SeenTurn> FindSeenAgain(const kinds::Log::Observations& seen, const 
     std::size_t found = 0;
     for (std::size_t j = i + 1; j < seen.time_s.size() && found < kNext; ++j) {
       const double second_s = seen.time_s[j];
-      if (second_s - first_s > kLongest_s ||
-          odometry.DrivenM(second_s) - odometry.DrivenM(first_s) > kMostDriven_m)
-        break;
-      const double turned = odometry.TurnedRad(second_s) - odometry.TurnedRad(first_s);
+      const Moved moved{odometry.TurnedRad(second_s) - odometry.TurnedRad(first_s),
+                        odometry.DrivenM(second_s) - odometry.DrivenM(first_s)};
+      if (second_s - first_s > kLongest_s || moved.driven_m > kMostDriven_m) break;
       const bool others = seen.landmark[i] >= 0 && seen.landmark[i] != seen.landmark[j];
-      if (others || turned < kLeastTurn_rad || turned > kMostTurn_rad || !full(i) || !full(j)) continue;
+      if (others || !is_wanted(moved) || !full(i) || !full(j)) continue;
       pairs.push_back({point(i), point(j), first_s, second_s});
       ++found;
     }
@@ -337,6 +343,19 @@ constexpr std::array kOfTurns = {
     Mistake{{.delay_s = -2},
             "they fit odometry of 2 s earlier better: do both have the same clock? `--sensor-late-s=2` takes "
             "that off a CSV"},
+};
+
+// Where bearings count from: on the robot what is seen lies elsewhere, and moves elsewhere when it drives.
+constexpr std::array kOfMounts = {
+    Mistake{{.sensor_rad = std::numbers::pi},
+            "what is ahead goes away as it drives forward: is forward negative, or do bearings count from "
+            "behind? `--sensor-mount=0,0,180` takes that off a CSV"},
+    Mistake{{.sensor_rad = std::numbers::pi / 2},
+            "what is on its right comes nearer as it drives forward: do bearings count from its left? "
+            "`--sensor-mount=0,0,90` takes that off a CSV"},
+    Mistake{{.sensor_rad = -std::numbers::pi / 2},
+            "what is on its left comes nearer as it drives forward: do bearings count from its right? "
+            "`--sensor-mount=0,0,-90` takes that off a CSV"},
 };
 
 // What is ahead is often another thing than before; what lies all around hardly ever.
@@ -387,10 +406,37 @@ std::optional<std::string> DoubtTurns(const Scans& scans, const kinds::Log::Odom
 
 std::optional<std::string> DoubtSeenAgain(const kinds::Log::Observations& seen,
                                           const kinds::Log::Odometry& odometry) {
+  constexpr double kLeastTurn_rad = 0.15, kMostTurn_rad = 1.5;
   const Reckoning as_is(odometry);
-  const std::vector<SeenTurn> turns = FindSeenAgain(seen, as_is);
+  const std::vector<SeenTurn> turns = FindSeenAgain(seen, as_is, [](const Moved& moved) {
+    return moved.turned_rad >= kLeastTurn_rad && moved.turned_rad <= kMostTurn_rad;
+  });
   return Best(kOfTurns, kPartOfTurns, "observations", ErrorsOfBestDrift(turns, as_is),
               [&](const Reading& reading) { return ErrorsOfBestDrift(turns, Reckoning(odometry, reading)); });
+}
+
+std::vector<SeenTurn> Turned(std::vector<SeenTurn> seen, double angle_rad) {
+  for (SeenTurn& pair : seen) {
+    for (std::vector<Point>* points : {&pair.first, &pair.second})
+      for (Point& point : *points) {
+        const Pose turned = Compose({0, 0, angle_rad}, {point.x_m, point.y_m, 0});
+        point = {turned.x_m, turned.y_m};
+      }
+  }
+  return seen;
+}
+
+// Turns alone look alike from all sides: between these it drives.
+std::optional<std::string> DoubtMount(const kinds::Log::Observations& seen,
+                                      const kinds::Log::Odometry& odometry) {
+  constexpr double kLeastDriven_m = 0.4, kMostTurn_rad = 0.5;
+  const Reckoning as_is(odometry);
+  const std::vector<SeenTurn> drives = FindSeenAgain(seen, as_is, [](const Moved& moved) {
+    return moved.driven_m >= kLeastDriven_m && moved.turned_rad <= kMostTurn_rad;
+  });
+  return Best(
+      kOfMounts, kPartOfTurns, "observations", ErrorsOfBestDrift(drives, as_is),
+      [&](const Reading& reading) { return ErrorsOfBestDrift(Turned(drives, reading.sensor_rad), as_is); });
 }
 
 // So that nothing below is asked of tables that do not fit each other.
@@ -421,8 +467,9 @@ std::vector<std::string> FindMotionDoubts(const kinds::Log& log) {
     const kinds::Log::Robot& robot = log.robot[n];
     if (!IsWhole(robot.odometry)) continue;
     if (IsWhole(robot.observations))
-      if (const auto doubt = DoubtSeenAgain(robot.observations, robot.odometry))
-        doubts.push_back(fmt::format("robot '{}', its observations: {}", log.robots[n], *doubt));
+      for (const auto& doubt : {DoubtSeenAgain(robot.observations, robot.odometry),
+                                DoubtMount(robot.observations, robot.odometry)})
+        if (doubt) doubts.push_back(fmt::format("robot '{}', its observations: {}", log.robots[n], *doubt));
     for (const kinds::Log::RangeSensor& sensor : robot.sensors) {
       if (!IsWhole(sensor)) continue;
       const Scans scans(sensor);

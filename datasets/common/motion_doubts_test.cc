@@ -93,8 +93,9 @@ kinds::Log OfOneRobot(const kinds::Log::Robot& robot) {
   return log;
 }
 
-// A robot on a circle among four poles, which sees each that is ahead of it twice a second.
-kinds::Log Circle(bool named, double sees) {
+// A robot on a circle among four poles, which sees each that is ahead of it twice a second; bearings count
+// `sees` times, and from `mount_rad` on.
+kinds::Log Circle(bool named, double sees, double mount_rad = 0) {
   constexpr double kTurn_rad = 0.05, kForward_m = 0.1, kReach_m = 6;
   const std::vector<Point> poles = {{3, 1}, {-2, 4}, {0, -3}, {-4, -1}};
   kinds::Log::Robot robot;
@@ -111,7 +112,7 @@ kinds::Log Circle(bool named, double sees) {
       if (seen.x_m <= 0 || std::hypot(seen.x_m, seen.y_m) > kReach_m) continue;
       seen_s.push_back(time_s.back());
       range_m.push_back(std::hypot(seen.x_m, seen.y_m));
-      bearing_rad.push_back(sees * std::atan2(seen.y_m, seen.x_m));
+      bearing_rad.push_back(WrapAngle(sees * std::atan2(seen.y_m, seen.x_m) - mount_rad));
       landmark.push_back(named ? static_cast<std::int32_t>(k) : -1);
     }
   }
@@ -126,6 +127,14 @@ TEST(MotionDoubts, BearingsThatAreMirroredShowWithNamesAndWithout) {
     const std::string doubts = All(FindMotionDoubts(Circle(named, -1)));
     EXPECT_NE(doubts.find("directions in which it sees, clockwise?"), std::string::npos) << doubts;
   }
+}
+
+TEST(MotionDoubts, BearingsThatCountFromElsewhereShowWithNamesAndWithout) {
+  for (const bool named : {true, false})
+    for (const int degrees : {180, 90, -90}) {
+      const std::string doubts = All(FindMotionDoubts(Circle(named, 1, degrees * std::numbers::pi / 180)));
+      EXPECT_NE(doubts.find("--sensor-mount=0,0," + std::to_string(degrees)), std::string::npos) << doubts;
+    }
 }
 
 // A robot on a circle of 4 m, a little off the middle of a round room of 6 m, with a ring of 36 beams.
