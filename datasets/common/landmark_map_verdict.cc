@@ -275,15 +275,16 @@ Verdict::Doubt OfPattern(const kinds::LandmarkMap& map, Verdict* verdict) {
 Verdict::Doubt OfOneSided(const kinds::LandmarkMap& map, Verdict* verdict) {
   constexpr double kTied_nats = 10;
   constexpr double kSome = 0.1, kMany = 0.2;  // of what at least one of the sides saw and both looked at
-  constexpr std::int64_t kLeast = 3;
+  constexpr std::int64_t kFew = 2;            // are a doubt where they are many of few
   double most = 0;
   std::size_t robot = 0;
   for (std::size_t r = FirstToPlace(map); r < map.robot.size(); ++r) {
     const kinds::LandmarkMap::Robot& of = map.robot[r];
-    const auto one_sided = static_cast<double>(of.one_sided_landmarks.Or(0));
-    if (of.one_sided_landmarks.Or(0) < kLeast || of.place_lead_nats.Or(0) < kTied_nats) continue;
-    const double share = one_sided / (one_sided + static_cast<double>(of.shared_landmarks.Or(0)));
-    if (share > most) {
+    const std::int64_t one_sided = of.one_sided_landmarks.Or(0);
+    if (one_sided < kFew || of.place_lead_nats.Or(0) < kTied_nats) continue;
+    const double share =
+        static_cast<double>(one_sided) / static_cast<double>(one_sided + of.shared_landmarks.Or(0));
+    if (share > most && (one_sided > kFew || share > kMany)) {
       most = share;
       robot = r;
     }
@@ -291,7 +292,7 @@ Verdict::Doubt OfOneSided(const kinds::LandmarkMap& map, Verdict* verdict) {
   if (most > 0) verdict->numbers.emplace_back("one_sided_share", most);
   if (most <= kSome) return {Confidence::kHigh};
   return {
-      AtMost(most, kSome, kMany),
+      map.robot[robot].one_sided_landmarks.Or(0) > kFew ? AtMost(most, kSome, kMany) : Confidence::kFair,
       fmt::format("{} and the others have {} landmarks in common, and {} that one side alone has seen "
                   "though the other looked there: do the ranges and bearings of one err by a factor (units, "
                   "field of view), or does it see less?",

@@ -429,6 +429,10 @@ TEST(LandmarkMapVerdict, LandmarksThatOneRobotAloneSawThoughTheOtherLookedThereA
       << wrong.why;
   EXPECT_EQ(WithLeads({43.1, std::nan("")}, 13, 5).trust, Confidence::kLow);
   EXPECT_EQ(WithLeads({43.1, 43.1}, 20, 3).trust, Confidence::kFair);
+  const Verdict twins =
+      WithLeads({43.1, 43.1}, 7, 2);  // two halls alike but for one landmark, of a robot each
+  EXPECT_EQ(twins.trust, Confidence::kFair);
+  EXPECT_NE(twins.why.find("one side alone"), std::string::npos) << twins.why;
   for (const std::int64_t few : {0, 1, 2}) {
     const Verdict healthy = WithLeads({43.1, 43.1}, 14, few);
     EXPECT_GE(healthy.trust, Confidence::kFair);
