@@ -11,7 +11,7 @@
 #include "pipelines/landmark_map/landmarks/image_landmarks.h"
 #include "pipelines/landmark_map/model/m_step.h"
 #include "pipelines/landmark_map/refinement/robot_ties.h"
-#include "pipelines/landmark_map/refinement/seen_before.h"
+#include "pipelines/landmark_map/refinement/seen_beside.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -159,7 +159,7 @@ RefinedMap RefineMapOf(const Blob& blob, const Settings& settings, const Inputs&
     FindInImages(log, settings, map.steps, sum, odometry, &map.landmarks, &associated);
   }
   const bool refines = jointly && not_refined.empty();
-  if (refines) AddSeenBefore(log, paths, settings.steps.until_s, &map.landmarks, &associated);
+  if (refines) AddSeenBeside(log, paths, settings.steps.until_s, &map.landmarks, &associated);
   for (std::size_t r = 0; r < paths.size(); ++r) {
     paths[r].associated = associated[r];
     map.rows.push_back(RowsOfEm(paths[r], log.robot[r].observations, map.landmarks));

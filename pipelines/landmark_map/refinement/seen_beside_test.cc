@@ -1,4 +1,4 @@
-#include "pipelines/landmark_map/refinement/seen_before.h"
+#include "pipelines/landmark_map/refinement/seen_beside.h"
 
 #include <gtest/gtest.h>
 
@@ -15,9 +15,9 @@ constexpr double kContact = std::numeric_limits<double>::quiet_NaN();
 // Two robots; the second goes 20 m ahead in as many seconds and sees, a metre to its left, the landmark 5 at
 // 2 s and 4 s, presses the button 1 at 6 s, and sees the landmark 7, which the first knows, at 10 s: there
 // its steps begin, and EM says that it is at (5, 7) and looks along y.
-class AddSeenBeforeTest : public ::testing::Test {
+class AddSeenBesideTest : public ::testing::Test {
  protected:
-  AddSeenBeforeTest() : paths_(2) {
+  AddSeenBesideTest() : paths_(2) {
     log_.robots = std::vector<std::string>{"first", "second"};
     log_.robot.resize(2);
     kinds::Log::Robot& second = log_.robot[1];
@@ -35,6 +35,12 @@ class AddSeenBeforeTest : public ::testing::Test {
     path.steps.time_s = {10, 20};
     path.steps.odo_heading_rad = {0, 0};
     path.steps.row_observation = {-1, -1, -1, -1, 0};
+    log_.robot[0].odometry = second.odometry;
+    log_.robot[0].observations.time_s = std::vector<double>();
+    log_.robot[0].observations.range_m = std::vector<double>();
+    log_.robot[0].observations.bearing_rad = std::vector<double>();
+    log_.robot[0].observations.landmark = std::vector<std::int32_t>();
+    paths_[0].steps.time_s = {0};
     path.x_m = {5, 5};
     path.y_m = {7, 17};
     path.correction_rad = {kQuarter, kQuarter};
@@ -48,8 +54,8 @@ class AddSeenBeforeTest : public ::testing::Test {
   std::vector<Associated> associated_;
 };
 
-TEST_F(AddSeenBeforeTest, StandsWhereOdometryBackFromTheFirstStepSays) {
-  AddSeenBefore(log_, paths_, kForever_s, &landmarks_, &associated_);
+TEST_F(AddSeenBesideTest, StandsWhereOdometryBackFromTheFirstStepSays) {
+  AddSeenBeside(log_, paths_, kForever_s, &landmarks_, &associated_);
   ASSERT_EQ(landmarks_.size(), 4U);
   const std::vector<int> names{1, 3, 5, 7};
   for (std::size_t l = 0; l < names.size(); ++l) EXPECT_EQ(landmarks_[l].type, names[l]);
@@ -64,13 +70,33 @@ TEST_F(AddSeenBeforeTest, StandsWhereOdometryBackFromTheFirstStepSays) {
   EXPECT_EQ(associated_[1].landmark, (std::vector<std::int32_t>{3}));
 }
 
-TEST_F(AddSeenBeforeTest, WhatIsInTheMapOrWithoutANameOrLaterIsLeftAlone) {
+// Seen at 11 s and 14 s, between the steps at 10 s and 20 s, to the first of which EM has taken the row at 11
+// s.
+TEST_F(AddSeenBesideTest, StandsWhereOdometryFromTheStepBeforeSays) {
+  kinds::Log::Observations& seen = log_.robot[1].observations;
+  seen.time_s = std::vector<double>{10, 11, 14};
+  seen.range_m = std::vector<double>{1, 2, 2};
+  seen.bearing_rad = std::vector<double>{kQuarter, kQuarter, kQuarter};
+  seen.landmark = std::vector<std::int32_t>{7, 9, 9};
+  paths_[1].steps.row_observation = {0, 1, -1};
+  associated_[1] = {{1, -1}, {1, 0}};
+  AddSeenBeside(log_, paths_, kForever_s, &landmarks_, &associated_);
+  ASSERT_EQ(landmarks_.size(), 3U);
+  EXPECT_EQ(landmarks_[2].type, 9);
+  EXPECT_NEAR(landmarks_[2].x_m, 3, 1e-9);
+  EXPECT_NEAR(landmarks_[2].y_m, 8, 1e-9) << "by the row that is nearest to a step";
+  EXPECT_EQ(landmarks_[2].count, 2);
+  EXPECT_EQ(associated_[1].landmark, (std::vector<std::int32_t>{1, 2}));
+  EXPECT_EQ(associated_[1].probability, (std::vector<double>{1, 1}));
+}
+
+TEST_F(AddSeenBesideTest, WhatIsInTheMapOrWithoutANameOrLaterIsLeftAlone) {
   log_.robot[1].observations.landmark = std::vector<std::int32_t>{7, -1, 3, -1, 7};
   const std::vector<Landmark> before = landmarks_;
-  AddSeenBefore(log_, paths_, kForever_s, &landmarks_, &associated_);
+  AddSeenBeside(log_, paths_, kForever_s, &landmarks_, &associated_);
   EXPECT_EQ(landmarks_.size(), before.size());
   log_.robot[1].observations.landmark = std::vector<std::int32_t>{7, -1, 5, 1, 7};
-  AddSeenBefore(log_, paths_, 5.0, &landmarks_, &associated_);
+  AddSeenBeside(log_, paths_, 5.0, &landmarks_, &associated_);
   ASSERT_EQ(landmarks_.size(), 3U) << "the data end before the button";
   EXPECT_EQ(landmarks_[1].type, 5);
 }
