@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <numbers>
@@ -316,7 +317,13 @@ std::optional<double> CsvReader::Number(std::size_t index) {
                     (date ? "; times are seconds of any clock, such as Unix time, no dates" : ""));
     return std::nullopt;
   }
-  return *value / per_unit_[index];
+  const double in_unit = *value / per_unit_[index];
+  constexpr double kMostTime_s = 1e19, kMost = 1e9;  // in metres, radians, and these a second
+  if (std::abs(in_unit) > (columns_[index].starts_with("time_") ? kMostTime_s : kMost)) {
+    Bad("a number that no robot comes to", columns_[index] + " is '" + std::string(Text(index)) + "'");
+    return std::nullopt;
+  }
+  return in_unit;
 }
 
 void CsvReader::Bad(const std::string& reason, const std::string& detail) {

@@ -38,6 +38,20 @@ TEST(CsvReader, PassesOverWhatSpreadsheetsSayOfTheSeparator) {
   EXPECT_THROW(CsvReader(folder.Put("c.csv", "sep=;\n"), {{"a", "b"}}, &bad), InputError);
 }
 
+TEST(CsvReader, NamesTheLineOfANumberThatNoRobotComesTo) {
+  const TestFolder folder;
+  BadLines bad(true);
+  CsvReader reader(folder.Put("a.csv", "time_s,x_m\n1e308,1\n1.7e18,2\n1.7e9,-1e308\n"), {{"time_s", "x_m"}},
+                   &bad);
+  ASSERT_TRUE(reader.Next());
+  EXPECT_FALSE(reader.Number(0));
+  ASSERT_TRUE(reader.Next());
+  EXPECT_EQ(reader.Number(0), 1.7e18) << "nanoseconds, of which others ask";
+  ASSERT_TRUE(reader.Next());
+  EXPECT_EQ(reader.Number(0), 1.7e9);
+  EXPECT_FALSE(reader.Number(1));
+}
+
 TEST(CsvReader, FindsColumnsByNameInPlainAndGzippedFiles) {
   const TestFolder folder;
   for (const char* name : {"a.csv", "a.csv.gz"}) {
