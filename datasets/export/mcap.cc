@@ -18,8 +18,10 @@
 namespace cairn::datasets {
 namespace {
 
-constexpr double kThickness_m = 0.01;  // of regions, which are flat
-constexpr double kRegionAlpha = 0.35;  // one sees what lies under them
+using Rgba = std::array<std::uint8_t, 4>;
+constexpr Rgba kOrange{217, 120, 61, 255};  // seen on a light and on a dark ground
+constexpr double kThickness_m = 0.01;       // of regions, which are flat
+constexpr double kRegionAlpha = 0.35;       // one sees what lies under them
 constexpr double kLabelHeight_m = 0.5;
 constexpr std::array kCovarianceNames{"variance_x_m2", "covariance_xy_m2", "variance_y_m2"};
 constexpr double kLeastBelief = 1e-4;  // of the likeliest cell's: less likely ones are not drawn
@@ -119,8 +121,6 @@ foxglove::Grid FilledGrid(foxglove::Grid grid, const GridBox& box, std::span<con
   return grid;
 }
 
-using Rgba = std::array<std::uint8_t, 4>;
-
 // White is free, black occupied; what nothing is known of is not there.
 Rgba MapColour(double p) {
   if (std::isnan(p)) return {0, 0, 0, 0};
@@ -128,26 +128,43 @@ Rgba MapColour(double p) {
   return {grey, grey, grey, 255};
 }
 
+// From the first time on, in `frame`: points with these fields, x, y and z among them, in one colour, if any.
+class Points {
+ public:
+  Points(const Stage& stage, const std::string& frame, std::initializer_list<const char*> fields,
+         std::optional<Rgba> colour = std::nullopt)
+      : cloud_(stage.New<foxglove::PointCloud>(stage.first_s(), frame)), colour_(colour) {
+    cloud_.set_point_stride(SetFields(&cloud_, fields, colour.has_value()));
+    Set(cloud_.mutable_pose(), 0, 0, 0);
+  }
+  void Add(std::initializer_list<double> values) {
+    for (const double value : values) Pack(cloud_.mutable_data(), static_cast<float>(value));
+    if (colour_) Pack(cloud_.mutable_data(), *colour_);
+  }
+  const foxglove::PointCloud& cloud() const { return cloud_; }
+
+ private:
+  foxglove::PointCloud cloud_;
+  std::optional<Rgba> colour_;
+};
+
 // The middles of cells that are rather occupied, for viewers that know no grids.
-foxglove::PointCloud OccupiedPoints(const Occupancy& cells, foxglove::PointCloud cloud) {
-  cloud.set_point_stride(SetFields(&cloud, {"x", "y", "z", "probability"}, false));
-  Set(cloud.mutable_pose(), 0, 0, 0);
+Points OccupiedPoints(const Occupancy& cells, const Stage& stage) {
+  Points points(stage, "map", {"x", "y", "z", "probability"});
   for (std::int64_t row = 0; row < cells.box.rows; ++row) {
     for (std::int64_t column = 0; column < cells.box.columns; ++column) {
       const double p = cells.probability[cells.box.Index(column, row)];
       if (!(p > 0.5)) continue;
-      for (const double value : {cells.box.CentreX(column), cells.box.CentreY(row), 0.0, p})
-        Pack(cloud.mutable_data(), static_cast<float>(value));
+      points.Add({cells.box.CentreX(column), cells.box.CentreY(row), 0, p});
     }
   }
-  return cloud;
+  return points;
 }
 
-// Seen on a light and on a dark ground.
 void SetColour(double alpha, foxglove::Color* colour) {
-  colour->set_r(0.85);
-  colour->set_g(0.47);
-  colour->set_b(0.24);
+  colour->set_r(kOrange[0] / 255.0);
+  colour->set_g(kOrange[1] / 255.0);
+  colour->set_b(kOrange[2] / 255.0);
   colour->set_a(alpha);
 }
 
@@ -171,10 +188,8 @@ void AddLandmarks(const Blob& blob, Stage* stage) {
   const std::vector<std::string> labels = LandmarkLabels(map.map, map.landmarks.OrNone());
   const double first_s = stage->first_s();
   foxglove::SceneUpdate scene;
-  auto cloud = stage->New<foxglove::PointCloud>(first_s, "map");
-  cloud.set_point_stride(SetFields(
-      &cloud, {"x", "y", "z", kCovarianceNames[0], kCovarianceNames[1], kCovarianceNames[2]}, false));
-  Set(cloud.mutable_pose(), 0, 0, 0);
+  Points points(*stage, "map", {"x", "y", "z", kCovarianceNames[0], kCovarianceNames[1], kCovarianceNames[2]},
+                kOrange);
   for (std::size_t k = 0; k < landmarks.size(); ++k) {
     const MapLandmark& landmark = landmarks[k];
     foxglove::SceneEntity& entity = *scene.add_entities();
@@ -195,20 +210,20 @@ void AddLandmarks(const Blob& blob, Stage* stage) {
       fact.set_key(kCovarianceNames[i]);
       fact.set_value(NumberText(covariance[i]));
     }
-    for (const double value :
-         {landmark.at.x_m, landmark.at.y_m, 0.0, covariance[0], covariance[1], covariance[2]})
-      Pack(cloud.mutable_data(), static_cast<float>(value));
+    points.Add({landmark.at.x_m, landmark.at.y_m, 0, covariance[0], covariance[1], covariance[2]});
   }
   stage->Add("/landmarks", first_s, scene);
-  stage->Add("/landmarks/points", first_s, cloud);
+  stage->Add("/landmarks/points", first_s, points.cloud());
 }
 
 void AddPath(const Path& path, const std::string& frame, Stage* stage) {
   auto whole = stage->New<foxglove::PosesInFrame>(stage->first_s(), frame);
+  Points points(*stage, frame, {"x", "y", "z"});
   for (std::size_t i = 0; i < path.poses.size(); ++i) {
     const Pose& pose = path.poses[i];
     const double time_s = path.time_s[i];
     Set(whole.add_poses(), pose.x_m, pose.y_m, pose.heading_rad);
+    points.Add({pose.x_m, pose.y_m, 0});
     foxglove::FrameTransform transform;
     stage->Stamp(time_s, &transform);
     transform.set_parent_frame_id(frame);
@@ -226,6 +241,10 @@ void AddPath(const Path& path, const std::string& frame, Stage* stage) {
     stage->Add("/" + path.file + "/region", time_s, scene);
   }
   stage->Add("/" + path.file + "/path", stage->first_s(), whole);
+  stage->Add("/" + path.file + "/path/points", stage->first_s(), points.cloud());
+  Points place(*stage, path.robot, {"x", "y", "z"}, kOrange);
+  place.Add({0, 0, 0});
+  stage->Add("/" + path.file + "/place", stage->first_s(), place.cloud());
 }
 
 // What the robot may believe of its place, step by step: the likelier the more opaque.
@@ -269,8 +288,7 @@ Written ExportMcap(const Blob& blob, const std::string& folder, bool replace) {
     stage.Add("/map", stage.first_s(),
               FilledGrid(stage.New<foxglove::Grid>(stage.first_s(), "map"), cells.box, cells.probability,
                          MapColour));
-    stage.Add("/map/points", stage.first_s(),
-              OccupiedPoints(cells, stage.New<foxglove::PointCloud>(stage.first_s(), "map")));
+    stage.Add("/map/points", stage.first_s(), OccupiedPoints(cells, stage).cloud());
   }
   AddLandmarks(blob, &stage);
   // Paths of a local map have frames of their own: nothing ties them.

@@ -73,8 +73,12 @@ TEST(ExportMcap, HasATopicForMapLandmarksPathsAndFrames) {
                                                             {"/landmarks/points", "foxglove.PointCloud"},
                                                             {"/tf", "foxglove.FrameTransform"},
                                                             {"/Rosa/path", "foxglove.PosesInFrame"},
+                                                            {"/Rosa/path/points", "foxglove.PointCloud"},
+                                                            {"/Rosa/place", "foxglove.PointCloud"},
                                                             {"/Rosa/region", "foxglove.SceneUpdate"},
                                                             {"/a_b/path", "foxglove.PosesInFrame"},
+                                                            {"/a_b/path/points", "foxglove.PointCloud"},
+                                                            {"/a_b/place", "foxglove.PointCloud"},
                                                             {"/a_b/region", "foxglove.SceneUpdate"}}));
 }
 
@@ -126,9 +130,30 @@ TEST(ExportMcap, LandmarksHaveTheirRegionsAndCovariances) {
   EXPECT_EQ(scene.entities(1).metadata(1).key(), "covariance_xy_m2");
   EXPECT_EQ(scene.entities(1).metadata(1).value(), "0.375");
   const auto points = back.Get<foxglove::PointCloud>("/landmarks/points");
-  ASSERT_EQ(points.fields_size(), 6);
-  ASSERT_EQ(points.data().size(), 2 * 24U);
-  EXPECT_EQ(At<float>(points.data(), 24 + points.fields(4).offset()), 0.375F);
+  ASSERT_EQ(points.fields_size(), 6 + 4);
+  ASSERT_EQ(points.point_stride(), 6 * 4 + 4U);
+  ASSERT_EQ(points.data().size(), 2 * points.point_stride());
+  EXPECT_EQ(At<float>(points.data(), points.point_stride() + points.fields(4).offset()), 0.375F);
+  EXPECT_EQ(points.fields(6).name(), "red");
+  EXPECT_EQ(At<std::uint8_t>(points.data(), points.fields(6).offset()), 217);
+  EXPECT_EQ(At<std::uint8_t>(points.data(), 2 * points.point_stride() - 1), 255) << "opaque";
+}
+
+TEST(ExportMcap, APathIsThereAsPointsAndARobotAsAPointOfItsFrame) {
+  const ReadBack back = Exported(SmallResult());
+  const auto path = back.Get<foxglove::PosesInFrame>("/a_b/path");
+  const auto points = back.Get<foxglove::PointCloud>("/a_b/path/points");
+  EXPECT_EQ(points.frame_id(), "map");
+  ASSERT_EQ(points.point_stride(), 12U);
+  ASSERT_EQ(points.data().size(), static_cast<std::size_t>(path.poses_size()) * points.point_stride());
+  for (int i = 0; i < path.poses_size(); ++i) {
+    const std::size_t at = static_cast<std::size_t>(i) * points.point_stride();
+    EXPECT_EQ(At<float>(points.data(), at), static_cast<float>(path.poses(i).position().x()));
+    EXPECT_EQ(At<float>(points.data(), at + 4), static_cast<float>(path.poses(i).position().y()));
+  }
+  const auto place = back.Get<foxglove::PointCloud>("/a_b/place");
+  EXPECT_EQ(place.frame_id(), "a/b") << "the frame that /tf moves";
+  EXPECT_EQ(place.data().size(), place.point_stride());
 }
 
 TEST(ExportMcap, EachPoseComesAtItsTimeAndThePathAtOnce) {
