@@ -1,6 +1,7 @@
 // fuzz_bag_runs TARGET RUNS [FIRST]: so many mutations, from that number on. Where one brings the target
 // down, its number is the last that is said.
 #include <signal.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -31,8 +32,8 @@ void SayWhere(int signal) {
 int main(int argc, char** argv) {
   for (const Target& target : {BagTarget(), BagContainerTarget(), BagMessageTarget()}) {
     if (argc < 3 || target.name != argv[1]) continue;
-    constexpr unsigned kMost_s = 60;
-    for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGALRM}) ::signal(signal, SayWhere);
+    constexpr itimerval kMost{{}, {60, 0}};  // of processor time, for a thousand runs
+    for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGPROF}) ::signal(signal, SayWhere);
     const unsigned long long runs = std::strtoull(argv[2], nullptr, 10),
                              first = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 0;
     const std::vector<Bytes> seeds = target.seeds();
@@ -40,7 +41,7 @@ int main(int argc, char** argv) {
     unsigned long long accepted = 0;
     for (unsigned long long run = first; run < first + runs; ++run) {
       at = run;
-      if (run % 1000 == 0) ::alarm(kMost_s);
+      if (run % 1000 == 0) ::setitimer(ITIMER_PROF, &kMost, nullptr);
       cairn::Rng rng(1998, run);
       const Bytes bytes = Mutate(seeds[rng.Below(seeds.size())], &rng);
       accepted += target.run(bytes) == Outcome::kAccepted ? 1 : 0;
