@@ -23,6 +23,7 @@ constexpr Rgba kOrange{217, 120, 61, 255};  // seen on a light and on a dark gro
 constexpr double kThickness_m = 0.01;       // of regions, which are flat
 constexpr double kRegionAlpha = 0.35;       // one sees what lies under them
 constexpr double kLabelHeight_m = 0.5;
+constexpr double kBetweenMaps_m = 5;
 constexpr std::array kCovarianceNames{"variance_x_m2", "covariance_xy_m2", "variance_y_m2"};
 constexpr double kLeastBelief = 1e-4;  // of the likeliest cell's: less likely ones are not drawn
 
@@ -247,6 +248,22 @@ void AddPath(const Path& path, const std::string& frame, Stage* stage) {
   stage->Add("/" + path.file + "/place", stage->first_s(), place.cloud());
 }
 
+// A viewer shows a frame and what hangs on it, so maps that nothing ties are laid beside each other in `map`:
+// this one from `left_m` on, the first where it is. Returns where the next may begin.
+double LayBeside(const Path& path, const std::string& frame, std::optional<double> left_m, Stage* stage) {
+  const auto [least, most] = path.poses.empty() ? std::ranges::min_max_result<Pose>{}
+                                                : std::ranges::minmax(path.poses, {}, &Pose::x_m);
+  const double right_m = left_m.value_or(least.x_m) - least.x_m;
+  foxglove::FrameTransform transform;
+  stage->Stamp(stage->first_s(), &transform);
+  transform.set_parent_frame_id("map");
+  transform.set_child_frame_id(frame);
+  transform.mutable_translation()->set_x(right_m);
+  transform.mutable_rotation()->set_w(1);
+  stage->Add("/tf", stage->first_s(), transform);
+  return right_m + most.x_m + kBetweenMaps_m;
+}
+
 // What the robot may believe of its place, step by step: the likelier the more opaque.
 void AddBeliefs(const kinds::LandmarkMap::Beliefs& beliefs, double cell_m, const std::string& topic,
                 Stage* stage) {
@@ -293,7 +310,12 @@ Written ExportMcap(const Blob& blob, const std::string& folder, bool replace) {
   AddLandmarks(blob, &stage);
   // Paths of a local map have frames of their own: nothing ties them.
   const bool apart = paths.size() > 1 && blob.Has("connections/kind");
-  for (const Path& path : paths) AddPath(path, apart ? "map of " + path.robot : "map", &stage);
+  std::optional<double> next_m;
+  for (const Path& path : paths) {
+    const std::string frame = apart ? "map of " + path.robot : "map";
+    if (apart) next_m = LayBeside(path, frame, next_m, &stage);
+    AddPath(path, frame, &stage);
+  }
   if (blob.Has("map/landmark_x_m")) {
     const auto map = Read<kinds::LandmarkMap>(blob);
     for (const Path& path : paths)

@@ -208,7 +208,7 @@ TEST(ExportMcap, BeliefsAreGridsOfTheirOwnSize) {
                  "'robot/1/beliefs/value' has not as many numbers as 'box' says");
 }
 
-TEST(ExportMcap, RobotsOfALocalMapHaveFramesOfTheirOwn) {
+TEST(ExportMcap, RobotsOfALocalMapHaveFramesOfTheirOwnBesideEachOther) {
   Blob result = SmallResult();
   Blob local;
   for (const auto& [name, array] : result.fields())
@@ -216,7 +216,23 @@ TEST(ExportMcap, RobotsOfALocalMapHaveFramesOfTheirOwn) {
   local.PutVector<std::int32_t>("connections/kind", {});
   const ReadBack back = Exported(local);
   EXPECT_FALSE(back.types.contains("/map"));
-  EXPECT_EQ(back.Get<foxglove::FrameTransform>("/tf", 0).parent_frame_id(), "map of Rosa");
+  std::map<std::string, double> beside_m, least_m, most_m;  // in `map`; of the poses in their frame
+  for (std::size_t i = 0; i < back.messages.at("/tf").size(); ++i) {
+    const auto transform = back.Get<foxglove::FrameTransform>("/tf", i);
+    const double x_m = transform.translation().x();
+    if (transform.parent_frame_id() == "map") {
+      beside_m[transform.child_frame_id()] = x_m;
+      EXPECT_EQ(transform.rotation().w(), 1);
+      EXPECT_EQ(back.messages.at("/tf")[i].time_ns, 1'000'000'000);
+      continue;
+    }
+    EXPECT_EQ(transform.parent_frame_id(), "map of " + transform.child_frame_id());
+    least_m[transform.parent_frame_id()] = std::min(least_m[transform.parent_frame_id()], x_m);
+    most_m[transform.parent_frame_id()] = std::max(most_m[transform.parent_frame_id()], x_m);
+  }
+  ASSERT_EQ(beside_m.size(), 2U);
+  EXPECT_EQ(beside_m.at("map of Rosa"), 0);
+  EXPECT_EQ(beside_m.at("map of a/b") + least_m.at("map of a/b"), most_m.at("map of Rosa") + 5);
   EXPECT_EQ(back.Get<foxglove::PosesInFrame>("/a_b/path").frame_id(), "map of a/b");
 }
 
