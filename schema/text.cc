@@ -38,9 +38,14 @@ std::string WhatIsWrongWithElement(std::string_view padded, bool alone, std::siz
   return alone ? WhatIsWrongWithText(text) : WhatIsWrongWithName(text, most_bytes);
 }
 
+Status WrongName(const std::string& name, const std::string& wrong) {
+  return {Code::kCorrupt,
+          "the name of the dataset '" + Escaped(name.substr(0, kMostNameBytes)) + "' " + wrong};
+}
+
 // HDF5 would silently drop parts that are empty and '.', and the name would not come back.
 std::string WhatIsWrongWithDataset(const Blob& blob, const std::string& name) {
-  if (std::string wrong = WhatIsWrongWithName(name, kMostDatasetBytes); !wrong.empty()) return wrong;
+  if (name.find('\0') != std::string::npos) return "has control characters";
   if (std::count(name.begin(), name.end(), '/') >= kMostLevels)
     return "lies in groups within groups, more than " + std::to_string(kMostLevels) + " deep";
   for (std::size_t at = 0; at <= name.size();) {
@@ -91,8 +96,7 @@ std::string WhatIsWrongWithText(std::string_view text) { return WhatIsWrong(text
 Status CheckForms(const Blob& blob) {
   for (const auto& [name, array] : blob.fields()) {
     if (const std::string wrong = WhatIsWrongWithDataset(blob, name); !wrong.empty())
-      return {Code::kCorrupt,
-              "the name of the dataset '" + Escaped(name.substr(0, kMostNameBytes)) + "' " + wrong};
+      return WrongName(name, wrong);
     if (array.shape().size() > kMostDimensions)
       return {Code::kCorrupt,
               "dataset '" + name + "': of more than " + std::to_string(kMostDimensions) + " dimensions"};
@@ -101,8 +105,9 @@ Status CheckForms(const Blob& blob) {
 }
 
 Status CheckTexts(const Blob& blob) {
-  if (Status forms = CheckForms(blob); !forms.ok()) return forms;
   for (const auto& [name, array] : blob.fields()) {
+    if (const std::string wrong = WhatIsWrongWithName(name, kMostDatasetBytes); !wrong.empty())
+      return WrongName(name, wrong);
     if (array.type() != DType::kText) continue;
     const bool is_name = name == "robots" || name == "landmarks" || name == "runs";
     const std::size_t most = is_name ? kMostNameBytes : kMostTextBytes, width = array.item_bytes();
@@ -116,7 +121,7 @@ Status CheckTexts(const Blob& blob) {
       return {Code::kCorrupt, "dataset '" + name + "': '" + shown + "' " + wrong};
     }
   }
-  return Status::Ok();
+  return CheckForms(blob);
 }
 
 std::string CutTo(std::string_view text, std::size_t most) {

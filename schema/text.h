@@ -29,14 +29,14 @@ std::string WhatIsWrongWithName(std::string_view name, std::size_t most_bytes = 
 // The same of a text for people, which may have lines and tabs, and any length.
 std::string WhatIsWrongWithText(std::string_view text);
 
-// kCorrupt where the blob is none that a file holds and that is read back: the name of a dataset is not as it
-// should be, has a part that is empty or '.', lies kMostLevels deep, or is that of a group; an array has more
-// than kMostDimensions.
+// kCorrupt where the blob is none that a file holds: the name of a dataset has a NUL or a part that is empty
+// or
+// '.', lies kMostLevels deep, or is that of a group; an array has more than kMostDimensions.
 inline constexpr std::ptrdiff_t kMostLevels = 32;
 inline constexpr std::size_t kMostDimensions = 32;
 Status CheckForms(const Blob& blob);
-// That, and kCorrupt where a text is not as it should be: texts of a list are names (of `robots`, `landmarks`
-// and `runs` of at most kMostNameBytes), a text alone may have lines.
+// That, and kCorrupt where a name of a dataset or a text is not as it should be: texts of a list are names
+// (of `robots`, `landmarks` and `runs` of at most kMostNameBytes), a text alone may have lines.
 Status CheckTexts(const Blob& blob);
 
 // The first `most` bytes of it, fewer where the last would be part of a character; all where it has no more.
