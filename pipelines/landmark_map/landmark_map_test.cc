@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <string>
 
 #include "pipelines/landmark_map/testing.h"
@@ -80,6 +81,20 @@ TEST(LandmarkMap, FindsWhatAllRangesAreTooLongBy) {
     ASSERT_EQ(result->Has("robot/0/range_offset_m"), offset_m != 0.0);
     if (offset_m == 0.0) continue;
     EXPECT_NEAR(result->Scalar<double>("robot/0/range_offset_m"), offset_m, 0.05);
+  }
+}
+
+// EM starts from widths three times as wide where a log states none; what the least squares expects is the
+// same.
+TEST(LandmarkMap, TheLeastSquaresExpectsNoWiderOdometryForWhereEmStarts) {
+  const Blob silent = PostsLog{.drift_rad_per_m = 0.002, .named = true, .times = 4}.Make();
+  Blob stated = silent;
+  stated.PutScalar<double>("noise/heading_walk_rad_per_sqrt_m", 0.7 * std::numbers::pi / 180.0);
+  stated.PutScalar<double>("noise/turn_ratio", 0.02);
+  const BlobPtr one = Map(silent, {}), other = Map(stated, {});
+  for (const char* width : {"odometry_walk_rad_per_sqrt_m", "odometry_turn_rad_per_sqrt_rad"}) {
+    const std::string name = std::string("robot/0/") + width;
+    EXPECT_NEAR(one->Scalar<double>(name) / other->Scalar<double>(name), 1.0, 0.1) << width;
   }
 }
 

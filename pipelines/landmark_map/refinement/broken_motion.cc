@@ -58,6 +58,7 @@ double NegativeLogDensity(const LeastSquaresProblem& problem, const LeastSquares
   for (std::size_t r = 0; r < problem.robots.size(); ++r)
     for (std::size_t k = 0; k < problem.robots[r].controls.size(); ++k)
       nats -= 0.5 * std::log(equations.Weight(r, k).determinant());
+  nats -= LogTailNorm(problem.tail_sigmas) * static_cast<double>(problem.sightings.size());
   for (const Sighting& seen : problem.sightings) {
     const ObservationWidths widths = problem.noise.At(seen.x_m, seen.y_m);
     const Eigen::Vector2d share = equations.ShareOf(seen);

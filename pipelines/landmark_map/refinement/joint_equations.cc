@@ -177,7 +177,7 @@ std::vector<Eigen::VectorXd> JointEquations::CommonErrors(const LeastSquaresPoin
 }
 
 double JointEquations::Weight(const SightingResidual& residual, const Sighting& seen) const {
-  return 1.0 / (1.0 + residual.error.cwiseAbs2().dot(ShareOf(seen)) / Square(kCauchySigmas));
+  return 1.0 / (1.0 + residual.error.cwiseAbs2().dot(ShareOf(seen)) / Square(problem_.tail_sigmas));
 }
 
 JointEquations::EdgeTerm JointEquations::Edge(const LeastSquaresPoint& point, std::size_t r,
@@ -273,9 +273,9 @@ void JointEquations::AddEdge(const LeastSquaresPoint& point, std::size_t r, std:
 
 void JointEquations::AddSighting(const LeastSquaresPoint& point, const Sighting& seen, bool linearise) {
   const SightingTerm term = Seen(point, seen);
-  constexpr double kTail = kCauchySigmas * kCauchySigmas;
+  const double tail = Square(problem_.tail_sigmas);
   const Eigen::Vector2d share = ShareOf(seen);
-  cost_ += 0.5 * kTail * std::log1p(term.residual.error.cwiseAbs2().dot(share) / kTail);
+  cost_ += 0.5 * tail * std::log1p(term.residual.error.cwiseAbs2().dot(share) / tail);
   if (linearise)
     AddTerm<2, 6>(term.residual.error, term.by, term.at,
                   Eigen::Matrix2d((sighting_share_ * Weight(term.residual, seen) * share).asDiagonal()));

@@ -108,9 +108,10 @@ double LeastOfManyTried(const LeastSquaresProblem& problem) {
   return sightings < kFewSightings ? 0.0 : static_cast<double>(sightings);
 }
 
-// The least squares, EM's point in it, and each robot's odometry.
+// The least squares, the widths that are expected of it, EM's point in it, and each robot's odometry.
 struct Built {
   LeastSquaresProblem problem;
+  ExpectedWidths expected;
   LeastSquaresPoint em;
   std::vector<Odometry> odometry;
 };
@@ -139,13 +140,15 @@ Built Build(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
     const OdometryFit& fit = paths[r].odometry;
     built.problem.widths.push_back(
         {fit.heading_walk_rad_per_sqrt_m, fit.turn_ratio, settings.noise.forward_ratio});
+    built.expected.odometry.push_back(
+        {settings.expected_walk_rad_per_sqrt_m, settings.expected_turn_ratio, settings.noise.forward_ratio});
     built.em.nodes.push_back(EmPath(paths[r], built.odometry[r], built.problem.robots[r]));
     built.em.errors.push_back({.drift_rad_per_m = fit.drift_rad_per_m});
   }
   if (!settings.gauge_free) built.em.nodes[0][0].setZero();
   built.problem.landmarks = static_cast<int>(landmarks.size());
   for (const Landmark& landmark : landmarks) built.em.landmarks.emplace_back(landmark.x_m, landmark.y_m);
-  built.problem.noise = settings.observation_noise;
+  built.problem.noise = built.expected.sightings = settings.observation_noise;
   // Of turns narrow, but with the same heavy tails: over a few bends a scale of turns is hard to tell from a
   // drift.
   constexpr double kTurns = 0.005;
@@ -154,21 +157,6 @@ Built Build(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
   built.problem.priors = {std::max(settings.noise.heading_drift_rad_per_m, least_drift),
                           ranged ? WayPrior(settings) : 0.0, std::min(settings.noise.turn_ratio, kTurns)};
   return built;
-}
-
-// The least with the widths and what errors have in common that it shows. False: there is no solution.
-bool Settle(const LeastSquaresProblem& nominal, LeastSquaresProblem* problem, LeastSquaresEnd* end) {
-  constexpr int kRounds = 4, kStepsARound = 3;
-  constexpr double kSettled = 1.1;  // factor on a width
-  for (int round = 0; round < kRounds; ++round) {
-    problem->repeats = RepeatsIn(*problem, end->point);
-    const double change = ReestimateWidths(nominal, end->point, problem);
-    if (change == 0.0) return false;
-    if (change < kSettled) break;
-    *end = Descend(*problem, end->point, kStepsARound);
-  }
-  *end = Descend(*problem, end->point);
-  return true;
 }
 
 // Whether errors are wider than was said or expected, or a motion stands out: else none is broken. Of many
@@ -248,8 +236,8 @@ std::optional<Freed> WithoutOneMotion(const LeastSquaresProblem& nominal, const 
 // A motion that odometry knows nothing of bends the whole path, and where widths are estimated they take it
 // up. Where one more such motion explains so much more that it is believed, it is left free, and all is
 // settled anew.
-std::optional<double> FreeBrokenMotions(LeastSquaresProblem* nominal, LeastSquaresProblem* problem,
-                                        LeastSquaresEnd* end) {
+std::optional<double> FreeBrokenMotions(const ExpectedWidths& expected, LeastSquaresProblem* nominal,
+                                        LeastSquaresProblem* problem, LeastSquaresEnd* end) {
   std::optional<double> lead_nats;
   constexpr int kMost = 5;
   constexpr double kBelieved_nats = 10.0;
@@ -257,7 +245,7 @@ std::optional<double> FreeBrokenMotions(LeastSquaresProblem* nominal, LeastSquar
     auto tried = WithoutOneMotion(*nominal, end->point);
     if (!tried) break;
     LeastSquaresProblem settled = tried->problem;
-    if (!Settle(tried->problem, &settled, &tried->end)) break;
+    if (!SettleWidths(expected, &settled, &tried->end)) break;
     if (NegativeLogDensity(*problem, end->point) - NegativeLogDensity(settled, tried->end.point) <
         kBelieved_nats)
       break;
@@ -307,12 +295,12 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
     return {"the least squares explains less than EM's own path", landmarks, {}, {}, {}};
 
   LeastSquaresProblem problem = built.problem;
-  bool solved = Settle(built.problem, &problem, &end);
+  bool solved = SettleWidths(built.expected, &problem, &end);
   const std::optional<double> break_lead_nats =
-      solved ? FreeBrokenMotions(&built.problem, &problem, &end) : std::nullopt;
+      solved ? FreeBrokenMotions(built.expected, &built.problem, &problem, &end) : std::nullopt;
   if (solved && HasOffset(problem, end)) {
     problem.priors.range_m = OffsetPrior_m(problem);
-    solved = Settle(built.problem, &problem, &end);
+    solved = SettleWidths(built.expected, &problem, &end);
   }
   if (!solved) return {"the least squares has no solution", landmarks, {}, {}, {}};
   constexpr double kMostScale = 0.5;

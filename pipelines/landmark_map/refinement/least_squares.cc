@@ -42,6 +42,8 @@ Eigen::Vector2d PlaceSeen(const Eigen::Vector3d& node, const Sighting& seen, dou
   return {node[0] + cosine * x - sine * y, node[1] + sine * x + cosine * y};
 }
 
+double LogTailNorm(double tail_sigmas) { return std::log1p(-2.0 / Square(tail_sigmas)); }
+
 Eigen::Matrix3d CovarianceOf(const EdgeSpread& spread, const EdgeWidths& widths) {
   return Square(widths.walk_rad_per_sqrt_m) * spread.walk +
          Square(widths.turn_rad_per_sqrt_rad) * spread.turn + Square(widths.way_m_per_sqrt_m) * spread.way +

@@ -46,6 +46,10 @@ struct SightingRepeats {
   double along = 1.0, across = 1.0;
 };
 
+// A sighting may be of anything: its tails are as heavy as a Cauchy's from so many standard deviations on,
+// unless all of them show lighter ones (TailOf).
+inline constexpr double kCauchySigmas = 3.0;
+
 struct LeastSquaresProblem {
   std::vector<NodeTrack> robots;
   std::vector<Sighting> sightings;  // of one robot in the order of nodes
@@ -54,6 +58,7 @@ struct LeastSquaresProblem {
   Eigen::Vector3d loose = Eigen::Vector3d::Zero();  // variances of each motion besides: m^2, m^2, rad^2
   ObservationNoise noise;
   SightingRepeats repeats;
+  double tail_sigmas = kCauchySigmas;  // from where on sightings have tails as heavy as a Cauchy's
   SystematicPriors priors;
 };
 
@@ -67,6 +72,9 @@ struct LeastSquaresPoint {
   std::vector<SystematicErrors> errors;  // of each robot
 };
 
+// The logarithm of what makes exp(-cost) of a sighting a density, but for its widths and 2 pi.
+double LogTailNorm(double tail_sigmas);
+
 // Of an edge's motion.
 Eigen::Matrix3d CovarianceOf(const EdgeSpread& spread, const EdgeWidths& widths);
 
@@ -74,9 +82,8 @@ Eigen::Matrix3d CovarianceOf(const EdgeSpread& spread, const EdgeWidths& widths)
 std::vector<Eigen::Vector3d> DeadReckoned(const NodeTrack& track, const Eigen::Vector3d& first,
                                           const SystematicErrors& errors);
 
-// Minus the logarithm of the point's probability, up to a constant [nats]. Sightings have tails as heavy as
-// Cauchy's from kCauchySigmas on; the widths are the problem's.
-inline constexpr double kCauchySigmas = 3.0;
+// Minus the logarithm of the point's probability, up to a constant [nats], under the problem's widths and
+// tails.
 double CostOf(const LeastSquaresProblem& problem, const LeastSquaresPoint& point);
 
 // The least that Levenberg and Marquardt's steps come to from `start`. The first robot's first pose stays

@@ -35,10 +35,15 @@ EdgeSpread SpreadOf(std::span<const Control> controls, const SystematicErrors& e
   constexpr double kShift_m_per_sqrt_rad = 0.005, kSideways_m_per_sqrt_m = 0.002;
   constexpr double kLeast_m = 1e-4, kLeast_rad = 1e-5;
   EdgeSpread spread;
-  double heading = 0.0;
-  for (const Control& control : controls) {
-    const double length = std::abs(control.forward_m), turned = std::abs(control.turn_rad);
+  double heading = 0.0, drifted = 0.0;
+  for (std::size_t i = 0; i < controls.size(); ++i) {
+    const Control& control = controls[i];
+    const double length = std::abs(control.forward_m);
     const double half = 0.5 * errors.drift_rad_per_m * length;
+    // What odometry counts for its drift, before this way and after the one before, no wheel has turned.
+    const double said = control.turn_rad - drifted - half;
+    const double turned = std::abs(i + 1 < controls.size() ? said : said - half);
+    drifted = half;
     heading += (1.0 + errors.turn) * control.turn_rad - half;
     spread.turn(2, 2) += turned;
     const double ux = std::cos(heading), uy = std::sin(heading);

@@ -82,5 +82,20 @@ TEST(SpreadOf, IsTheScatterOfManyDrives) {
   }
 }
 
+// A robot that goes straight on while its odometry drifts has no errors of turns, however the way is cut.
+TEST(SpreadOf, OfWhatOdometryDriftsNoWheelHasTurned) {
+  constexpr double kDrift = 0.03, kWay_m = 0.5;
+  const Control whole{kDrift * kWay_m, kWay_m},
+      arc[] = {{0.5 * kDrift * kWay_m, kWay_m}, {0.5 * kDrift * kWay_m, 0.0}};
+  EXPECT_NEAR(SpreadOf({&whole, 1}, {.drift_rad_per_m = kDrift}).turn(2, 2), 0.0, 1e-12);
+  EXPECT_NEAR(SpreadOf(arc, {.drift_rad_per_m = kDrift}).turn(2, 2), 0.0, 1e-12);
+  EXPECT_NEAR(SpreadOf(arc, {}).turn(2, 2), kDrift * kWay_m, 1e-12);
+  const std::vector<Control> rows(5, {kDrift * 0.1 * kWay_m, 0.1 * kWay_m});
+  EXPECT_LT(SpreadOf(rows, {.drift_rad_per_m = kDrift}).turn(2, 2), 0.25 * 0.5 * kDrift * kWay_m);
+  // What it turns besides counts in full.
+  const std::vector<Control> bend(5, {(kDrift + 1.0) * 0.1 * kWay_m, 0.1 * kWay_m});
+  EXPECT_NEAR(SpreadOf(bend, {.drift_rad_per_m = kDrift}).turn(2, 2), 0.5 * kWay_m, 1e-12);
+}
+
 }  // namespace
 }  // namespace cairn::landmark_map

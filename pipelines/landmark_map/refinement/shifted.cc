@@ -135,7 +135,8 @@ void AddShiftsOf(const Piece& piece, const RobotRows& rows, double sigma_m, std:
   }
 }
 
-// The problem with the wider of both widths of each kind: what one map needs the other may have, too.
+// The problem with the wider of both widths of each kind, and the heavier tails: what one map needs the other
+// may have, too.
 LeastSquaresProblem WithWiderOf(LeastSquaresProblem problem, const LeastSquaresProblem& other) {
   const auto widen = [](double* width, double than) { *width = std::max(*width, than); };
   for (std::size_t r = 0; r < problem.widths.size(); ++r) {
@@ -145,6 +146,7 @@ LeastSquaresProblem WithWiderOf(LeastSquaresProblem problem, const LeastSquaresP
   }
   widen(&problem.noise.range_m, other.noise.range_m);
   widen(&problem.noise.bearing_rad, other.noise.bearing_rad);
+  problem.tail_sigmas = std::min(problem.tail_sigmas, other.tail_sigmas);
   widen(&problem.repeats.along, other.repeats.along);
   widen(&problem.repeats.across, other.repeats.across);
   return problem;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -11,17 +12,25 @@
 namespace cairn::landmark_map {
 namespace {
 
-// What the mean of a sighting's weighted square is of a Gaussian's: E[s / (1 + s / 9)] / 2, s a chi square of
-// two.
-constexpr double kMeanWeightedSquare = 0.7205;
 // No motion's square counts more: a robot that was carried does not tell how wide odometry's errors are.
 constexpr double kMostSquareOfMotion = 9.0;
 
-// What of a sighting's curvature holds the motions, where their residuals are compared with what is expected
-// of them: with a the mean of the score's derivative (0.7205), b that of its square (0.5372), A the motions'
-// matrix and H the sightings', a residual's covariance lacks M^-1 (A + (2 a - b) H) M^-1 with M = A + a H,
-// which is (A + b H)^-1 to first order; in the equations H counts 0.8399, its mean weight.
-constexpr double kHoldingShare = 0.5372 / 0.8399;
+// What Gaussian sightings come to under weights w = 1 / (1 + s / k^2), s a chi square of two, k where the
+// tails begin: with z = k^2 / 2 the mean weight is E[w] = z exp(z) E1(z), the rest by parts.
+struct MeansUnderTail {
+  // E[w s] / 2, which is E[w^2], the mean of the score's derivative, too.
+  double weighted_square;
+  // What of a sighting's curvature holds the motions, where their residuals are compared with what is
+  // expected of them: with a the mean of the score's derivative, b that of its square (E[w^2 s] / 2), A the
+  // motions' matrix and H the sightings', a residual's covariance lacks M^-1 (A + (2 a - b) H) M^-1 with M =
+  // A + a H, which is (A + b H)^-1 to first order; in the equations H counts its mean weight.
+  double holding_share;
+};
+MeansUnderTail MeansUnder(double tail_sigmas) {
+  const double z = 0.5 * Square(tail_sigmas);
+  const double weight = -z * std::exp(z) * std::expint(-z), weighted_square = z * (1.0 - weight);
+  return {weighted_square, z * (weight - weighted_square) / weight};
+}
 
 constexpr double kMostLog = 1.1;  // of a factor on a width, at a time
 
@@ -51,10 +60,13 @@ double Rescale(const Redundancy& of, double nominal, double* width, double chang
 
 }  // namespace
 
-double ReestimateWidths(const LeastSquaresProblem& nominal, const LeastSquaresPoint& point,
+double ReestimateWidths(const ExpectedWidths& expected, const LeastSquaresPoint& point,
                         LeastSquaresProblem* problem) {
+  problem->repeats = RepeatsIn(*problem, point);
+  problem->tail_sigmas = TailOf(*problem, point);
   JointEquations equations(*problem, point);
-  equations.Evaluate(point, true, kHoldingShare);
+  const MeansUnderTail means = MeansUnder(problem->tail_sigmas);
+  equations.Evaluate(point, true, means.holding_share);
   if (!equations.Factorise(0.0)) return 0.0;
   const PathMatrix::Inverse inverse(equations.matrix());
   double change = 1.0;
@@ -77,7 +89,7 @@ double ReestimateWidths(const LeastSquaresProblem& nominal, const LeastSquaresPo
       add(spread.turn, widths.turn_rad_per_sqrt_rad, &turn);
       add(spread.way, widths.way_m_per_sqrt_m, &way);
     }
-    const EdgeWidths& stated = nominal.widths[r];
+    const EdgeWidths& stated = expected.odometry[r];
     change = Rescale(walk, stated.walk_rad_per_sqrt_m, &widths.walk_rad_per_sqrt_m, change);
     change = Rescale(turn, stated.turn_rad_per_sqrt_rad, &widths.turn_rad_per_sqrt_rad, change);
     change = Rescale(way, stated.way_m_per_sqrt_m, &widths.way_m_per_sqrt_m, change);
@@ -90,15 +102,68 @@ double ReestimateWidths(const LeastSquaresProblem& nominal, const LeastSquaresPo
     const Eigen::Matrix2d fitted = Fitted<2, 6>(term.by, term.at, inverse);
     const auto add = [&](int k, Redundancy* to) {
       to->squares += weight * Square(term.residual.error[k]);
-      to->count += kMeanWeightedSquare * (1.0 - kHoldingShare * weight * share[k] * fitted(k, k));
+      to->count += means.weighted_square * (1.0 - means.holding_share * weight * share[k] * fitted(k, k));
     };
     add(0, seen.contact() ? &contact : &range);
     add(1, seen.contact() ? &contact : &bearing);
   }
   ObservationNoise& noise = problem->noise;
-  change = Rescale(range, nominal.noise.range_m, &noise.range_m, change);
-  change = Rescale(bearing, nominal.noise.bearing_rad, &noise.bearing_rad, change);
-  return Rescale(contact, nominal.noise.contact_m, &noise.contact_m, change);
+  change = Rescale(range, expected.sightings.range_m, &noise.range_m, change);
+  change = Rescale(bearing, expected.sightings.bearing_rad, &noise.bearing_rad, change);
+  return Rescale(contact, expected.sightings.contact_m, &noise.contact_m, change);
+}
+
+// Widths of odometry come down from far above by a fifth a round. Where a sensor's errors go on, odometry
+// takes them up, the more the longer that is let go on: so it is not (MRCLAM 6: a scale of 1.14 in the end).
+bool SettleWidths(const ExpectedWidths& expected, LeastSquaresProblem* problem, LeastSquaresEnd* end) {
+  constexpr int kStepsARound = 3;
+  struct Until {
+    int rounds;
+    double settled;  // factor on a width
+  };
+  constexpr Until kOwnErrors{20, 1.01}, kErrorsGoOn{4, 1.1};
+  for (int round = 1;; ++round) {
+    const double change = ReestimateWidths(expected, end->point, problem);
+    if (change == 0.0) return false;
+    const bool go_on = problem->repeats.along > 1.0 || problem->repeats.across > 1.0;
+    const Until& until = go_on ? kErrorsGoOn : kOwnErrors;
+    if (change < until.settled) break;
+    *end = Descend(*problem, end->point, kStepsARound);
+    if (round >= until.rounds) break;
+  }
+  *end = Descend(*problem, end->point);
+  return true;
+}
+
+// Their logarithm's sum over the sightings, for widths that are a common factor times the problem's, the
+// likeliest: that of squares s^2 where the mean of w q / s^2 is two, q the squares in the problem's widths.
+double TailOf(const LeastSquaresProblem& problem, const LeastSquaresPoint& point) {
+  constexpr int kSteps = 30;
+  std::vector<double> squares;
+  double sum = 0.0;
+  for (const double sigmas : SightingSigmas(problem, point)) {
+    squares.push_back(Square(sigmas));
+    sum += squares.back();
+  }
+  const auto count = static_cast<double>(squares.size());
+  if (!(sum > 0.0)) return kCauchySigmas;
+  double likeliest = kCauchySigmas, most_nats = -std::numeric_limits<double>::infinity();
+  for (const double tail_sigmas : {kCauchySigmas, 4.0, 6.0, 10.0}) {
+    const double tail = Square(tail_sigmas);
+    double factor = 0.5 * sum / count;
+    for (int k = 0; k < kSteps; ++k) {
+      double weighted = 0.0;
+      for (const double square : squares) weighted += square / (1.0 + square / (factor * tail));
+      factor = 0.5 * weighted / count;
+    }
+    double nats = count * (LogTailNorm(tail_sigmas) - std::log(factor));
+    for (const double square : squares) nats -= 0.5 * tail * std::log1p(square / (factor * tail));
+    if (nats > most_nats) {
+      most_nats = nats;
+      likeliest = tail_sigmas;
+    }
+  }
+  return likeliest;
 }
 
 SightingRepeats RepeatsIn(const LeastSquaresProblem& problem, const LeastSquaresPoint& point) {

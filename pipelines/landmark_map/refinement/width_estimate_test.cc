@@ -37,7 +37,8 @@ TEST(ReestimateWidths, AreThoseOfTheErrors) {
     nominal.noise = {.contact_m = 0.3, .range_m = 0.3, .bearing_rad = 2.0 * kDegree};
     LeastSquaresProblem problem = nominal;
     LeastSquaresPoint point = Descend(problem, world.Reckoned()).point;
-    for (int round = 0; round < 10 && ReestimateWidths(nominal, point, &problem) > 1.01; ++round)
+    for (int round = 0;
+         round < 10 && ReestimateWidths({nominal.widths, nominal.noise}, point, &problem) > 1.01; ++round)
       point = Descend(problem, point).point;
     range_m += problem.noise.range_m / kWorlds;
     bearing_rad += problem.noise.bearing_rad / kWorlds;
@@ -58,13 +59,81 @@ TEST(ReestimateWidths, OneMotionThatDoesNotFitWidensThemLess) {
   const LeastSquaresProblem nominal = world.problem;
   LeastSquaresPoint point = Descend(world.problem, world.truth).point;
   for (int round = 0; round < 4; ++round) {
-    ReestimateWidths(nominal, point, &world.problem);
+    ReestimateWidths({nominal.widths, nominal.noise}, point, &world.problem);
     point = Descend(world.problem, point).point;
   }
   EXPECT_LT(world.problem.widths[0].way_m_per_sqrt_m, 0.1);
   const std::vector<double> sigmas = EdgeSigmas(world.problem, point)[0];
   EXPECT_EQ(std::ranges::max_element(sigmas) - sigmas.begin(), 300);
   EXPECT_GT(sigmas[300], 9.0);
+}
+
+// Six times as far off, one sighting in `one_in`.
+void Stray(int one_in, EightWorld* world) {
+  for (std::size_t i = 0; i < world->problem.sightings.size(); i += static_cast<std::size_t>(one_in)) {
+    Sighting& seen = world->problem.sightings[i];
+    const Eigen::Vector3d& node = world->truth.nodes[0][static_cast<std::size_t>(seen.node)];
+    const Eigen::Vector2d off =
+        world->truth.landmarks[static_cast<std::size_t>(seen.landmark)] - node.head<2>();
+    const double c = std::cos(node[2]), s = std::sin(node[2]);
+    const Eigen::Vector2d there(c * off.x() + s * off.y(), c * off.y() - s * off.x());
+    seen.x_m += 5.0 * (seen.x_m - there.x());
+    seen.y_m += 5.0 * (seen.y_m - there.y());
+  }
+}
+
+TEST(TailOf, IsAsHeavyAsTheSightingsShow) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    EightWorld world(seed, 0.0, 1.0);
+    EXPECT_GE(TailOf(world.problem, world.truth), 6.0) << seed;
+    Stray(20, &world);
+    EXPECT_EQ(TailOf(world.problem, world.truth), kCauchySigmas) << seed;
+  }
+  EightWorld wide(1, 0.0, 1.0);
+  wide.problem.noise = {.contact_m = 0.1, .range_m = 0.3, .bearing_rad = 3.0 * kDegree};
+  EXPECT_GE(TailOf(wide.problem, wide.truth), 6.0) << "whatever widths are taken for";
+  wide.problem.sightings.clear();
+  EXPECT_EQ(TailOf(wide.problem, wide.truth), kCauchySigmas);
+}
+
+// The nodes with the widths that are found, and from then on with these tails; 0: with those that are found.
+std::vector<Eigen::Vector3d> SettledNodes(const EightWorld& world, double tail_sigmas) {
+  LeastSquaresProblem problem = world.problem;
+  LeastSquaresEnd end = Descend(problem, world.truth);
+  EXPECT_TRUE(SettleWidths({world.problem.widths, world.problem.noise}, &problem, &end));
+  if (tail_sigmas > 0.0) problem.tail_sigmas = tail_sigmas;
+  return Descend(problem, end.point, 50, 1e-7).point.nodes[0];
+}
+
+// They come out where plain least squares have them.
+TEST(SettleWidths, WhatErrsAsGaussiansDoIsNotClipped) {
+  double found = 0.0, clipped = 0.0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const EightWorld world(seed, 0.1 * kDegree, 1.02);
+    const auto plain = SettledNodes(world, 1e4), as_found = SettledNodes(world, 0.0),
+               as_clipped = SettledNodes(world, kCauchySigmas);
+    for (std::size_t k = 0; k < plain.size(); ++k) {
+      found += (as_found[k] - plain[k]).head<2>().squaredNorm();
+      clipped += (as_clipped[k] - plain[k]).head<2>().squaredNorm();
+    }
+  }
+  EXPECT_LT(found, 0.25 * clipped);
+}
+
+// Whatever widths the least squares begins with.
+TEST(SettleWidths, ComeDownFromFarAbove) {
+  const EightWorld world(3, 0.1 * kDegree, 1.02);
+  const ExpectedWidths expected{world.problem.widths, world.problem.noise};
+  std::vector<LeastSquaresProblem> settled;
+  for (const double wide : {1.0, 5.0}) {
+    LeastSquaresProblem& problem = settled.emplace_back(world.problem);
+    problem.widths[0].walk_rad_per_sqrt_m *= wide;
+    problem.widths[0].turn_rad_per_sqrt_rad *= wide;
+    LeastSquaresEnd end = Descend(problem, world.truth);
+    ASSERT_TRUE(SettleWidths(expected, &problem, &end));
+  }
+  EXPECT_NEAR(HeadingWidth(settled[1]) / HeadingWidth(settled[0]), 1.0, 0.05);
+  EXPECT_NEAR(settled[1].widths[0].way_m_per_sqrt_m / settled[0].widths[0].way_m_per_sqrt_m, 1.0, 0.08);
 }
 
 // Each sighting errs along its ray by what the one before did, but for a tenth.

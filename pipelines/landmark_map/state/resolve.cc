@@ -99,15 +99,19 @@ double DriftLength(const Options& options, const kinds::Log& log, const Sensing&
 // Odometry's errors where the log does not tell them. They are where EM starts and are estimated from there:
 // with identities from far above, for a width too small loses robots for good and one too large costs time
 // only. Without identities a large width lets landmarks be taken for one another.
-MotionNoise NoiseOf(const Options& options, const kinds::Log& log, const Sensing& sensing, int starts,
-                    double cell_m) {
+void SetNoise(const Options& options, const kinds::Log& log, const Sensing& sensing, Settings* settings) {
   const double wide = sensing.identified == sensing.observations || sensing.ranged > 0 ? 3.0 : 1.0;
   const double scale = options.noise_scale;
-  return {DriftOf(log, sensing, starts) * scale,
-          NoiseParameter(log.noise.heading_walk_rad_per_sqrt_m, wide * 0.7 * kDegree) * scale,
-          DriftLength(options, log, sensing, starts, cell_m),
-          NoiseParameter(log.noise.forward_ratio, 0.02) * scale,
-          NoiseParameter(log.noise.turn_ratio, wide * 0.02) * scale};
+  constexpr double kUsualWalk = 0.7 * kDegree, kUsualTurn = 0.02;
+  const auto walk = [&](double unstated) {
+    return NoiseParameter(log.noise.heading_walk_rad_per_sqrt_m, unstated) * scale;
+  };
+  const auto turn = [&](double unstated) { return NoiseParameter(log.noise.turn_ratio, unstated) * scale; };
+  settings->expected_walk_rad_per_sqrt_m = walk(kUsualWalk);
+  settings->expected_turn_ratio = turn(kUsualTurn);
+  settings->noise = {DriftOf(log, sensing, settings->starts) * scale, walk(wide * kUsualWalk),
+                     DriftLength(options, log, sensing, settings->starts, settings->map.grid.cell_m),
+                     NoiseParameter(log.noise.forward_ratio, 0.02) * scale, turn(wide * kUsualTurn)};
 }
 
 // A figure of a data sheet is not exact: what it calls impossible happens once in a hundred times.
@@ -317,7 +321,7 @@ Settings ResolveWith(const Options& options, const Seen& seen, int starts) {
   settings.starts = starts;
   // Landmarks seen at a distance may stand closer than a cell is wide: single observations say little.
   settings.alike = sensing.ranged == 0 ? 0.99 : 0.95;
-  settings.noise = NoiseOf(options, log, sensing, starts, grid.cell_m);
+  SetNoise(options, log, sensing, &settings);
   constexpr double kShortestIncrement = 0.1;  // cells: below, steps are many and say nothing
   if (options.max_increment_m > 0 && options.max_increment_m < kShortestIncrement * grid.cell_m) {
     throw InputError("max_increment_m: 0, or at least a tenth of a cell");

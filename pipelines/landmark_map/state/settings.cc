@@ -32,6 +32,8 @@ void VisitSettings(S& s, const F& f) {
   f("drift_length_m", s.noise.drift_length_m);
   f("forward_ratio", s.noise.forward_ratio);
   f("turn_ratio", s.noise.turn_ratio);
+  f("expected_walk_rad_per_sqrt_m", s.expected_walk_rad_per_sqrt_m);
+  f("expected_turn_ratio", s.expected_turn_ratio);
   f("max_increment_m", s.steps.max_increment_m);
   f("frame_m", s.steps.frame_m);
   f("frame_rad", s.steps.frame_rad);
@@ -99,8 +101,9 @@ void Settings::Check() const {
   RequireAllWithin("confusion", map.classes.confusion, 0.0, 1.0 + 1e-6);
   for (const double length_m : {map.observation_m, map.radius_m, map.core_m, in_image_m, box_m})
     RequireWithin("a length of the map", length_m, 0.0, kMostCells * grid.cell_m);
-  for (const double ratio : {noise.heading_drift_rad_per_m, noise.heading_walk_rad_per_sqrt_m,
-                             noise.forward_ratio, noise.turn_ratio})
+  for (const double ratio :
+       {noise.heading_drift_rad_per_m, noise.heading_walk_rad_per_sqrt_m, noise.forward_ratio,
+        noise.turn_ratio, expected_walk_rad_per_sqrt_m, expected_turn_ratio})
     RequireWithin("noise", ratio, 0.0, kMostNoise);
   RequireWithin("drift_length_m", noise.drift_length_m, 0.0, kFar_m);
   RequireWithin("prune", prune, 0.0, 1.0);

@@ -17,6 +17,9 @@ namespace cairn::landmark_map {
 struct Settings {
   MapRules map;
   MotionNoise noise;
+  // What odometry's widths are before its data say anything, where EM may start from wider ones: as the log
+  // states them, else those of small robots.
+  double expected_walk_rad_per_sqrt_m = 0.012, expected_turn_ratio = 0.02;
   StepRules steps;
   Detection detection;
   ObservationNoise observation_noise;  // as stated; EM takes nothing for more exact than usual

@@ -142,6 +142,20 @@ TEST(Resolve, EmTakesNoSensorForMoreExactThanUsual) {
   }
 }
 
+// The widths of odometry that EM starts from where nothing is stated are no more likely for being wide.
+TEST(Resolve, OdometryIsExpectedToErrAsStatedOrAsSmallRobotsDo) {
+  Blob log = SquareLog{.laps = 2, .ranged = true, .identified = true}.Make();
+  const Settings silent = Resolve({}, log);
+  EXPECT_NEAR(silent.noise.turn_ratio, 3.0 * silent.expected_turn_ratio, 1e-12);
+  EXPECT_NEAR(silent.noise.heading_walk_rad_per_sqrt_m, 3.0 * silent.expected_walk_rad_per_sqrt_m, 1e-12);
+  EXPECT_NEAR(silent.expected_turn_ratio, 0.02, 1e-12);
+  log.PutScalar<double>("noise/heading_walk_rad_per_sqrt_m", 0.05);
+  log.PutScalar<double>("noise/turn_ratio", 0.1);
+  const Settings stated = Resolve({.noise_scale = 2.0}, log);
+  EXPECT_EQ(stated.expected_walk_rad_per_sqrt_m, 0.1);
+  EXPECT_EQ(stated.expected_turn_ratio, 0.2);
+}
+
 TEST(Resolve, TheGaugeIsFreeWhereSeveralRobotsSeeAtADistance) {
   for (const bool ranged : {false, true}) {
     Blob log = SquareLog{.ranged = ranged}.Make();
