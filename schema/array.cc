@@ -1,14 +1,12 @@
 #include "schema/array.h"
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstring>
 #include <limits>
 #include <new>
 
 #include "schema/array_form.h"
+#include "schema/walked.h"
 
 namespace cairn {
 namespace {
@@ -132,11 +130,7 @@ void Array::TakeInPieces(const std::function<bool(std::span<const std::byte>)>& 
 }
 
 void Array::LetGo(std::span<const std::byte> bytes) const {
-  if (!in_file_ || bytes.empty()) return;
-  const auto page = static_cast<std::uintptr_t>(::getpagesize());
-  const auto begin = reinterpret_cast<std::uintptr_t>(bytes.data()) / page * page;
-  const auto end = reinterpret_cast<std::uintptr_t>(bytes.data() + bytes.size());
-  ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+  if (in_file_) LetGoOfMapped(bytes);
 }
 
 Array Array::Texts(const std::vector<std::string>& texts) {

@@ -11,13 +11,9 @@
 #include "schema/array.h"
 #include "schema/error.h"
 #include "schema/store/spool.h"
+#include "schema/store/spooled_rows.h"
 
 namespace cairn::datasets {
-
-// Thrown where the disk does not take the scans.
-struct NotStored {
-  Status status;
-};
 
 class ScanRows {
  public:

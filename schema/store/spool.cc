@@ -30,6 +30,16 @@ int WriteAt(int fd, std::span<const std::byte> bytes, std::uint64_t at) {
 
 }  // namespace
 
+int OpenNamelessFile(const std::filesystem::path& folder, int* error) {
+  int fd = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (fd >= 0) return fd;
+  std::string name = folder / ".cairn-spool.XXXXXX";
+  fd = ::mkostemp(name.data(), O_CLOEXEC);
+  *error = fd < 0 ? errno : 0;
+  if (fd >= 0) ::unlink(name.c_str());
+  return fd;
+}
+
 Spool::Spool(Spool&& other) noexcept { *this = std::move(other); }
 
 Spool& Spool::operator=(Spool&& other) noexcept {
@@ -50,18 +60,8 @@ void Spool::AddBytes(std::span<const std::byte> bytes) {
   if (!folder_.empty() && last_.size() >= kSpoolPiece) Flush();
 }
 
-// Where the file system knows no files without a name, one that loses it at once.
-void Spool::Open() {
-  fd_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (fd_ >= 0) return;
-  std::string name = folder_ / ".cairn-spool.XXXXXX";
-  fd_ = ::mkostemp(name.data(), O_CLOEXEC);
-  error_ = fd_ < 0 ? errno : 0;
-  if (fd_ >= 0) ::unlink(name.c_str());
-}
-
 void Spool::Flush() {
-  if (fd_ < 0 && error_ == 0) Open();
+  if (fd_ < 0 && error_ == 0) fd_ = OpenNamelessFile(folder_, &error_);
   if (error_ == 0) error_ = WriteAt(fd_, last_, written_);
   written_ += last_.size();
   last_.clear();

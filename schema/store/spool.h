@@ -12,6 +12,10 @@
 
 namespace cairn {
 
+// A file in the folder that no other process sees, open for both; where the file system knows none without a
+// name, one that loses it at once. -1 with `error`, an errno, where there can be none.
+int OpenNamelessFile(const std::filesystem::path& folder, int* error);
+
 class Spool {
  public:
   // In which folder the file is made, once there are more than a few values; empty: all is kept in memory.
@@ -32,7 +36,6 @@ class Spool {
  private:
   void AddBytes(std::span<const std::byte> bytes);
   void Flush();
-  void Open();
 
   std::filesystem::path folder_;
   std::vector<std::byte> last_;  // those that are not in the file

@@ -1,12 +1,6 @@
 #include "schema/store/spool.h"
 
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <csignal>
-#include <functional>
 #include <limits>
 
 #include "schema/store/blob_file.h"
@@ -17,6 +11,7 @@ namespace {
 
 using store_testing::Bytes;
 using store_testing::TempFolder;
+using store_testing::WithSmallFiles;
 
 constexpr std::int64_t kSpoolRows = 3000, kSpoolColumns = 181;
 
@@ -110,19 +105,6 @@ TEST(Spool, AFileOfArraysOverFilesHasTheSameBytes) {
   ASSERT_TRUE(WriteBlobFile(folder / "there.h5", "poses", there).ok());
   EXPECT_EQ(ReadBlobFile(folder / "there.h5").value().kind, "poses");
   EXPECT_EQ(folder.Files().size(), 2U);
-}
-
-// `act` in a process whose files may have so many bytes.
-bool WithSmallFiles(rlim_t bytes, const std::function<bool()>& act) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{bytes, bytes};
-    ::_exit(::setrlimit(RLIMIT_FSIZE, &limit) == 0 && act() ? 0 : 1);
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 TEST(Spool, AFullDiskLeavesNothing) {
