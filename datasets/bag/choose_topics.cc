@@ -33,7 +33,7 @@ class TopicChoice {
   }
 
  private:
-  void ChoosePoses(const char* option, const std::string& name, std::vector<PoseRow>* rows, bool* by_tf) {
+  void ChoosePoses(const char* option, const std::string& name, SpooledRows<PoseRow>* rows, bool* by_tf) {
     if (name.empty()) return;
     *by_tf = name == "tf";
     if (*by_tf) return;
@@ -53,6 +53,7 @@ class TopicChoice {
         continue;
       into_.others.push_back(std::make_unique<OtherOdometry>());
       into_.others.back()->topic = topic.name;
+      into_.others.back()->rows.poses = SpooledRows<PoseRow>(into_.folder);
       add_(topic, ReadOdometry(&into_.others.back()->rows, true));
     }
   }
@@ -176,7 +177,8 @@ class TopicChoice {
       scans.push_back(std::make_unique<ScanTopic>());
       scans.back()->topic = topic->name;
       scans.back()->folder = options_.folder;
-      scans.back()->expected = topic->messages;
+      scans.back()->events = SpooledRows<RangeEvent>(options_.folder);
+      scans.back()->cones = SpooledRows<ConeReading>(options_.folder);
       add_(*topic, topic->use->use == Use::kCloud ? ReaderOfCloud(*topic, scans.back().get())
                                                   : ReadScans(topic->type, scans.back().get()));
     }

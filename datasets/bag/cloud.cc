@@ -73,7 +73,7 @@ class CloudReader : public TopicReader {
         AddPoint(axes, data.data() + row * row_bytes + column * point_bytes, scan_);
     topic_.scans.Add(scan_, 0, {});
     for (std::size_t i = 0; i < kSectors; ++i) topic_.scans_with_points[i] += seen_[i] ? 1 : 0;
-    topic_.events.push_back(std::move(event));
+    topic_.events.push_back(event);
   }
 
  private:

@@ -80,6 +80,7 @@ void FrameTree::Add(const std::string& parent, const std::string& child, double 
   if (is_new) {
     frame.parent = parent;
     frame.first = transform;
+    frame.track = SpooledRows<TimedPose>(folder_);
   }
   if (frame.parent != parent) return;  // of two parents the first
   const Transform& first = frame.first;
@@ -137,12 +138,12 @@ FrameTree::Links FrameTree::MovingOn(const std::string& parent, const std::strin
   return moving;
 }
 
-const std::vector<TimedPose>& FrameTree::TrackOf(const std::string& child) const {
+const SpooledRows<TimedPose>& FrameTree::TrackOf(const std::string& child) const {
   return frames_.at(child).track;
 }
 
 void FrameTree::ForgetTracks() {
-  for (auto& [name, frame] : frames_) frame.track = {};
+  for (auto& [name, frame] : frames_) frame.track.clear();
 }
 
 }  // namespace cairn::datasets::bag

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "datasets/import/pose_controls.h"
 #include "schema/geometry.h"
+#include "schema/store/spooled_rows.h"
 
 namespace cairn::datasets::bag {
 
@@ -38,6 +40,9 @@ std::string FrameName(std::string_view name);
 
 class FrameTree {
  public:
+  FrameTree() = default;
+  // Where paths lie that are long.
+  explicit FrameTree(std::filesystem::path folder) : folder_(std::move(folder)) {}
   // Of a message: of the same two frames the first counts for their place on each other, and whether others
   // lie elsewhere. Throws Damage for more than 10,000 frames.
   void Add(const std::string& parent, const std::string& child, double time_s, const Transform& transform);
@@ -56,7 +61,7 @@ class FrameTree {
   // "`robot`/…", these.
   Links MovingOn(const std::string& parent, const std::string& robot) const;
   // What is known of such a frame's path, in the order of messages.
-  const std::vector<TimedPose>& TrackOf(const std::string& child) const;
+  const SpooledRows<TimedPose>& TrackOf(const std::string& child) const;
   void ForgetTracks();  // how frames lie on each other stays known
 
  private:
@@ -64,10 +69,11 @@ class FrameTree {
     std::string parent;
     Transform first;
     bool moves = false;
-    std::vector<TimedPose> track;  // where its parent is called odom or map
+    SpooledRows<TimedPose> track;  // where its parent is called odom or map
   };
   // From `frame` upwards, itself first.
   std::vector<std::string> ChainOf(const std::string& frame) const;
+  std::filesystem::path folder_;
   std::map<std::string, Frame> frames_;  // by name
 };
 

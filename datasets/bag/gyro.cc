@@ -38,42 +38,49 @@ class GyroReader : public TopicReader {
 // How far it has turned, by the trapezoid rule.
 class YawTrack {
  public:
-  YawTrack(std::vector<GyroRow> rows, const Transform& mount) {
-    std::ranges::stable_sort(rows, {}, &GyroRow::time_s);
+  YawTrack(SpooledRows<GyroRow> rows, const Transform& mount) : rows_(rows.folder()) {
+    SortRows(&rows, [](const GyroRow& row) { return row.time_s; });
     const Transform turned{0, 0, 0, mount.qx, mount.qy, mount.qz, mount.qw};
-    double yaw = 0;
+    YawRow last;
     for (const GyroRow& row : rows) {
       const double rate = Apply(turned, row.rate_radps).z;
-      if (!time_s_.empty()) yaw += (row.time_s - time_s_.back()) * (rate + rate_.back()) / 2;
-      time_s_.push_back(row.time_s);
-      rate_.push_back(rate);
-      yaw_.push_back(yaw);
+      const double turn = rows_.empty() ? 0 : (row.time_s - last.time_s) * (rate + last.rate) / 2;
+      last = {row.time_s, rate, last.yaw + turn};
+      rows_.push_back(last);
     }
   }
-  // Nothing where it has a gap between the two times, or does not reach that far.
-  std::optional<double> Between(double from_s, double to_s) const {
+  // Nothing where it has a gap between the two times, or does not reach that far. From one call to the next
+  // times rise, but for a little.
+  std::optional<double> Between(double from_s, double to_s) {
     const auto from = SegmentOf(from_s), to = SegmentOf(to_s);
     if (!from || !to) return std::nullopt;
     for (std::size_t i = *from; i <= *to; ++i)
-      if (time_s_[i + 1] - time_s_[i] > kMostGap_s) return std::nullopt;
+      if (rows_[i + 1].time_s - rows_[i].time_s > kMostGap_s) return std::nullopt;
     return YawAt(*to, to_s) - YawAt(*from, from_s);
   }
 
  private:
   static constexpr double kMostGap_s = 0.5;
+  struct YawRow {
+    double time_s = 0, rate = 0, yaw = 0;
+  };
   // That between rows i and i + 1.
-  std::optional<std::size_t> SegmentOf(double at_s) const {
-    const auto next = std::ranges::upper_bound(time_s_, at_s);
-    if (next == time_s_.begin() || time_s_.size() < 2 || at_s > time_s_.back()) return std::nullopt;
-    return std::min(static_cast<std::size_t>(next - time_s_.begin()), time_s_.size() - 1) - 1;
+  std::optional<std::size_t> SegmentOf(double at_s) {
+    if (rows_.size() < 2) return std::nullopt;
+    while (next_ < rows_.size() && rows_[next_].time_s <= at_s) ++next_;
+    while (next_ > 0 && rows_[next_ - 1].time_s > at_s) --next_;
+    if (next_ == 0 || at_s > rows_.back().time_s) return std::nullopt;
+    return std::min(next_, rows_.size() - 1) - 1;
   }
   double YawAt(std::size_t i, double at_s) const {
-    const double length_s = time_s_[i + 1] - time_s_[i], since_s = at_s - time_s_[i];
-    if (length_s <= 0) return yaw_[i];
-    const double rate = rate_[i] + (rate_[i + 1] - rate_[i]) * since_s / length_s;
-    return yaw_[i] + since_s * (rate_[i] + rate) / 2;
+    const YawRow &from = rows_[i], &to = rows_[i + 1];
+    const double length_s = to.time_s - from.time_s, since_s = at_s - from.time_s;
+    if (length_s <= 0) return from.yaw;
+    const double rate = from.rate + (to.rate - from.rate) * since_s / length_s;
+    return from.yaw + since_s * (from.rate + rate) / 2;
   }
-  std::vector<double> time_s_, rate_, yaw_;
+  SpooledRows<YawRow> rows_;
+  std::size_t next_ = 0;  // the first row after the time that was asked for last
 };
 
 struct Halt {
@@ -81,7 +88,7 @@ struct Halt {
 };
 
 // Where the odometry stands, and how fast the gyro turns meanwhile.
-std::vector<Halt> HaltsOf(const std::vector<PoseRow>& poses, const YawTrack& track) {
+std::vector<Halt> HaltsOf(const SpooledRows<PoseRow>& poses, YawTrack* track) {
   constexpr double kStill_mps = 0.005, kStill_radps = 0.01, kLeast_s = 1, kMargin_s = 0.1;
   std::vector<Halt> halts;
   for (std::size_t first = 0, i = 1; i <= poses.size(); ++i) {
@@ -95,7 +102,7 @@ std::vector<Halt> HaltsOf(const std::vector<PoseRow>& poses, const YawTrack& tra
     const double from_s = poses[first].time_s + kMargin_s, to_s = poses[i - 1].time_s - kMargin_s;
     first = i;
     if (to_s - from_s < kLeast_s) continue;
-    if (const auto turn = track.Between(from_s, to_s))
+    if (const auto turn = track->Between(from_s, to_s))
       halts.push_back({(from_s + to_s) / 2, to_s - from_s, *turn / (to_s - from_s)});
   }
   return halts;
@@ -164,11 +171,11 @@ void WarnWhereTheyContradict(const std::string& topic, const Agreement& agreemen
 
 std::unique_ptr<TopicReader> ReadGyro(GyroRows* rows) { return std::make_unique<GyroReader>(rows); }
 
-void TurnByGyro(const GyroRows& gyro, const Transform& mount, std::vector<PoseRow>* poses,
+void TurnByGyro(const GyroRows& gyro, const Transform& mount, SpooledRows<PoseRow>* poses,
                 ImportReport* report) {
-  const YawTrack track(gyro.rows, mount);
-  std::ranges::stable_sort(*poses, {}, &PoseRow::time_s);
-  std::vector<Halt> halts = HaltsOf(*poses, track);
+  YawTrack track(gyro.rows, mount);
+  SortRows(poses, [](const PoseRow& row) { return row.time_s; });
+  std::vector<Halt> halts = HaltsOf(*poses, &track);
   LeaveOutTurns(&halts);
   std::int64_t without = 0;
   Agreement agreement;

@@ -18,7 +18,7 @@ struct GyroRow {
 struct GyroRows {
   std::string topic, frame;
   double factor = 1;  // rates are multiplied by
-  std::vector<GyroRow> rows;
+  SpooledRows<GyroRow> rows;
 };
 // Of sensor_msgs/Imu. Throws LineError where a message says that it has no rates (REP 145), or none that a
 // robot turns at.
@@ -29,7 +29,7 @@ std::unique_ptr<TopicReader> ReadGyro(GyroRows* rows);
 // stands for a second or longer; between two halts it goes from the one's to the other's. Where the gyro has
 // a gap of more than half a second the turn stays that of the odometry. Says what it did in the report, and
 // where the two contradict each other.
-void TurnByGyro(const GyroRows& gyro, const Transform& mount, std::vector<PoseRow>* poses,
+void TurnByGyro(const GyroRows& gyro, const Transform& mount, SpooledRows<PoseRow>* poses,
                 ImportReport* report);
 
 }  // namespace cairn::datasets::bag

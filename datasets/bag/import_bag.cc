@@ -143,6 +143,7 @@ class BagImport {
     for (std::size_t i = 0; i < robots_.size(); ++i) {
       bag::Gathered& robot = robots_[i];
       if (!names.empty()) robot.robot = names[i];
+      robot.KeepIn(options_.folder);
       robot.topics = bag::TopicsOfRobot(topics_, names, robot.robot);
       if (!mounts_.empty()) robot.find_mount = mounts_[i];
       const auto add = [&](const Topic& topic, std::unique_ptr<bag::TopicReader> reader) {

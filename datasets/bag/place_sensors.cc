@@ -35,12 +35,13 @@ class BagLog {
 
   void ForgetPaths() {
     in_.frames.ForgetTracks();
-    in_.odometry.poses = {};
+    in_.odometry.poses.clear();
   }
 
   // Of several robots the first whose covariances say something counts.
   RangeLog Make(NoiseParameters* noise, std::optional<Fix>* origin) {
     if (!in_.robot.empty()) ranges_.robot = in_.robot;
+    ranges_.events = SpooledRows<RangeEvent>(in_.folder);
     ranges_.path = in_.path + ": " + in_.odometry_topic;
     ranges_.before_line = ", message ";
     FindBase();
@@ -52,12 +53,13 @@ class BagLog {
     TakePosesOfTf();
     if (!in_.fixes.topic.empty()) in_.truth = PosesOfFixes(in_.fixes, Antenna(), origin, &report_);
     in_.frames.ForgetTracks();
-    ReserveEvents();
     AddPoses(in_.odometry.poses, &RangeEvent::odometry);
-    AddPoses(std::exchange(in_.truth, {}), &RangeEvent::truth);
-    AddPoses(std::exchange(in_.poses, {}), &RangeEvent::corrected);
+    AddPoses(in_.truth, &RangeEvent::truth);
+    AddPoses(in_.poses, &RangeEvent::corrected);
     TakeNoiseOfCovariances();
     ForgetPaths();
+    in_.truth.clear();
+    in_.poses.clear();
     for (const auto& scan : in_.scans) AddLaser(scan.get());
     AddRing("sonar", false);
     AddRing("infrared", true);
@@ -150,18 +152,18 @@ class BagLog {
   }
 
   void CompareWithOthers() {
-    const NamedTrack chosen{in_.odometry_topic, in_.odometry.poses};
-    for (const auto& other : in_.others)
-      CompareOdometries(chosen, {other->topic, other->rows.poses}, &report_);
+    const auto compare = [&](const std::string& name, const SpooledRows<PoseRow>& poses) {
+      CompareOdometries(in_.odometry_topic, in_.odometry.poses, name, poses, &report_);
+    };
+    for (const auto& other : in_.others) compare(other->topic, other->rows.poses);
     if (in_.odometry_topic == "tf") return;
     for (const auto& [parent, child] : in_.frames.MovingOn("odom", in_.robot))
       if (child == in_.base || child.ends_with("base_link") || child.ends_with("base_footprint"))
-        CompareOdometries(chosen, {parent + " > " + child + " of tf", RowsOf(in_.frames.TrackOf(child))},
-                          &report_);
+        compare(parent + " > " + child + " of tf", RowsOf(in_.frames.TrackOf(child)));
   }
 
-  static std::vector<PoseRow> RowsOf(const std::vector<TimedPose>& track) {
-    std::vector<PoseRow> rows;
+  static SpooledRows<PoseRow> RowsOf(const SpooledRows<TimedPose>& track) {
+    SpooledRows<PoseRow> rows(track.folder());
     for (const TimedPose& pose : track)
       if (pose.time_s > 0) rows.push_back({pose.time_s, rows.size() + 1, pose.pose});
     return rows;
@@ -184,19 +186,13 @@ class BagLog {
     TurnByGyro(gyro, mount ? mount->transform : Transform(), &in_.odometry.poses, &report_);
   }
 
-  // They are most of the memory, but for landmarks.
-  void ReserveEvents() {
-    std::size_t count = in_.odometry.poses.size() + in_.truth.size() + in_.poses.size();
-    for (const auto& scan : in_.scans) count += scan->events.size();
-    ranges_.events.reserve(count);
-  }
-
-  void AddPoses(const std::vector<PoseRow>& rows, const auto& which) {
+  void AddPoses(const SpooledRows<PoseRow>& rows, const auto& which) {
     for (const PoseRow& row : rows) {
-      RangeEvent& event = ranges_.events.emplace_back();
+      RangeEvent event;
       event.line = row.number;
       event.stamp_s = row.time_s;
       event.*which = row.pose;
+      ranges_.events.push_back(event);
     }
   }
 
@@ -205,7 +201,7 @@ class BagLog {
     if (!in_.odometry.has_covariances || !in_.gyro.topic.empty() || in_.noise.heading_walk_rad_per_sqrt_m)
       return;
     double way_m = 0;
-    const std::vector<PoseRow>& poses = in_.odometry.poses;
+    const SpooledRows<PoseRow>& poses = in_.odometry.poses;
     for (std::size_t i = 1; i < poses.size(); ++i)
       way_m +=
           DistanceM({poses[i].pose.x_m, poses[i].pose.y_m}, {poses[i - 1].pose.x_m, poses[i - 1].pose.y_m});
@@ -274,11 +270,11 @@ class BagLog {
       if (rows.beams_kept.empty() || rows.beams_kept[beam])
         AddBeam(mount, scan->first_rad + static_cast<double>(beam) * scan->step_rad, &rows, &steepest);
     WarnOfTilt(scan->topic, steepest);
-    for (RangeEvent& event : scan->events) {
+    for (RangeEvent event : scan->events) {
       event.sensor = static_cast<std::uint32_t>(ranges_.sensors.size());
-      ranges_.events.push_back(std::move(event));
+      ranges_.events.push_back(event);
     }
-    scan->events = {};
+    scan->events.clear();
     rows.scans = std::make_shared<ScanRows>(std::move(scan->scans));
     ranges_.sensors.push_back(std::move(rows));
   }
@@ -302,10 +298,10 @@ class BagLog {
     };
     RangeRows rows;
     rows.sensor = name;
-    std::vector<Reading> readings;
+    SpooledRows<Reading> readings(in_.folder);
     double steepest = 0;
     for (const auto& sonar : in_.sonars) {
-      if (sonar->is_infrared != is_infrared || sonar->events.empty()) continue;
+      if (sonar->is_infrared != is_infrared || sonar->cones.empty()) continue;
       const std::size_t beam = rows.beam_x_m.size();
       AddBeam(MountOf(sonar->topic, sonar->frame), 0, &rows, &steepest);
       WarnOfTilt(sonar->topic, steepest);
@@ -313,16 +309,15 @@ class BagLog {
         WarnOnce(sonar->topic + ": its cone is not as wide as that of the first of the ring, which counts");
       if (beam == 0) rows.opening_rad = sonar->opening_rad;
       rows.max_range_m = std::max(rows.max_range_m, sonar->max_range_m);
-      for (const RangeEvent& event : sonar->events) {
-        const double range_m = event.scan->range_m.front();
+      for (const ConeReading& one : sonar->cones)
         readings.push_back(
-            {event.stamp_s, beam, event.line,
-             range_m < sonar->max_range_m ? range_m : std::numeric_limits<double>::quiet_NaN()});
-      }
+            {one.time_s, beam, one.number,
+             one.range_m < sonar->max_range_m ? one.range_m : std::numeric_limits<double>::quiet_NaN()});
     }
     if (readings.empty()) return;
-    std::ranges::stable_sort(readings, {}, &Reading::time_s);
+    SortRows(&readings, [](const Reading& reading) { return reading.time_s; });
     const std::size_t beams = rows.beam_x_m.size();
+    rows.scans = std::make_shared<ScanRows>(in_.folder, beams, rows.max_range_m);
     std::vector<double> round(beams);
     std::set<std::size_t> heard;
     for (const Reading& reading : readings) {
@@ -334,8 +329,9 @@ class BagLog {
       event.line = reading.number;
       event.stamp_s = reading.time_s;
       event.sensor = static_cast<std::uint32_t>(ranges_.sensors.size());
-      event.scan = Readings{round};
-      ranges_.events.push_back(std::move(event));
+      event.row = static_cast<std::uint32_t>(rows.scans->size());
+      rows.scans->Add(round, 0, {});
+      ranges_.events.push_back(event);
       heard.clear();
     }
     ranges_.sensors.push_back(std::move(rows));
@@ -346,9 +342,9 @@ class BagLog {
     RangeEvent event;
     event.line = seen.number;
     event.stamp_s = seen.time_s;
-    event.landmark = LandmarkSeen{seen.name, kNan, kNan};
-    if (!seen.is_contact) event.landmark = PlaceOf(seen);
-    ranges_.events.push_back(std::move(event));
+    event.landmark =
+        ranges_.things.Keep(seen.is_contact ? LandmarkSeen{seen.name, kNan, kNan} : PlaceOf(seen));
+    ranges_.events.push_back(event);
   }
 
   // Of a camera's optical frame, x to the right and z ahead. One that somebody places looks along its x axis,
@@ -379,8 +375,9 @@ class BagLog {
       RangeEvent event;
       event.line = seen.tag.number;
       event.stamp_s = seen.tag.time_s;
-      event.landmark = LandmarkSeen{seen.tag.name, range_m, std::atan2(at.y, at.x)};
-      ranges_.events.push_back(std::move(event));
+      event.landmark =
+          ranges_.things.Keep(LandmarkSeen{seen.tag.name, range_m, std::atan2(at.y, at.x)});
+      ranges_.events.push_back(event);
     }
   }
 

@@ -1,6 +1,7 @@
 // From what was read of bags to a log: which odometry, where each sensor sits, rounds of a ring of sonars.
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -25,6 +26,7 @@ struct OtherOdometry {
 struct Gathered {
   std::string robot;  // its namespace; empty: it has none
   std::string path;   // for messages
+  std::filesystem::path folder;  // for what is read of it (KeepIn)
   NoiseParameters noise;
   std::string odometry_topic;          // "tf": that of a frame which moves on "odom"
   std::string base;                    // the robot's frame; empty: that of the odometry
@@ -35,7 +37,7 @@ struct Gathered {
   GyroRows gyro;  // without a topic there is none
   FrameTree frames;
   std::vector<std::unique_ptr<ScanTopic>> scans, sonars;
-  std::vector<PoseRow> truth, poses;
+  SpooledRows<PoseRow> truth, poses;
   bool truth_by_tf = false, poses_by_tf = false;  // they are those of the robot on "map"
   FixRows fixes;                                  // the truth, where it has a topic
   std::vector<Sighting> landmarks;
@@ -43,6 +45,14 @@ struct Gathered {
   std::vector<std::unique_ptr<TagCamera>> cameras;
   FollowedFrames followed;
   std::vector<Topic> topics;  // all that there are
+
+  // What there are many of lies there while it is read.
+  void KeepIn(const std::filesystem::path& where) {
+    folder = where;
+    frames = FrameTree(folder);
+    odometry.poses = truth = poses = SpooledRows<PoseRow>(folder);
+    gyro.rows = SpooledRows<GyroRow>(folder);
+  }
 };
 
 // Where the robot's sensors sit, by its odometry and its frames.

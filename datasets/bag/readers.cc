@@ -189,7 +189,7 @@ class ScanReader : public TopicReader {
     event.line = message.number;
     event.stamp_s = *time_s;
     event.row = static_cast<std::uint32_t>(topic_.events.size());
-    topic_.events.push_back(std::move(event));
+    topic_.events.push_back(event);
     // REP 117: nearer than the least range is no reading, NaN none, infinity nothing within reach.
     intensity_.clear();
     if (found[8].numbers.size() == ranges.size())
@@ -213,9 +213,6 @@ class ScanReader : public TopicReader {
     topic_.max_range_m = reach;
     topic_.beams = beams;
     topic_.scans = ScanRows(topic_.folder, beams, reach);
-    // Memory that is not written to takes none; a bag that says more than it has gets no more than this.
-    constexpr std::size_t kMostReserved = std::size_t{1} << 31;
-    topic_.events.reserve(std::min(topic_.expected, kMostReserved / sizeof(RangeEvent)));
   }
 
   bool has_echoes_;
@@ -246,12 +243,8 @@ class ConeReader : public TopicReader {
       topic_.is_infrared = FirstNumber(found[3]) == 1;
       topic_.beams = 1;
     }
-    RangeEvent event;
-    event.line = message.number;
-    event.stamp_s = *time_s;
     const double range = FirstNumber(found[0]);
-    event.scan = Readings{{range >= FirstNumber(found[5]) ? range : kNone}};
-    topic_.events.push_back(std::move(event));
+    topic_.cones.push_back({*time_s, message.number, range >= FirstNumber(found[5]) ? range : kNone});
   }
 
  private:
@@ -260,7 +253,7 @@ class ConeReader : public TopicReader {
 
 class PoseReader : public TopicReader {
  public:
-  PoseReader(const std::string& type, std::vector<PoseRow>* rows) : rows_(*rows) {
+  PoseReader(const std::string& type, SpooledRows<PoseRow>* rows) : rows_(*rows) {
     is_path_ = type == "nav_msgs/Path";
     is_transform_ = type == "geometry_msgs/TransformStamped";
     if (type == "geometry_msgs/PoseWithCovarianceStamped" || type == "nav_msgs/Odometry") at_ = "pose.pose.";
@@ -289,11 +282,11 @@ class PoseReader : public TopicReader {
       if (const auto time_s = clock->WithinPath(stamps[i]))
         rows.push_back({*time_s, message.number, pose.Planar()});
     }
-    if (rows.size() >= rows_.size()) rows_ = std::move(rows);
+    if (rows.size() >= rows_.size()) rows_ = rows;
   }
 
  private:
-  std::vector<PoseRow>& rows_;
+  SpooledRows<PoseRow>& rows_;
   std::string at_ = "pose.";
   bool is_path_ = false, is_transform_ = false;
 };
@@ -340,7 +333,7 @@ std::unique_ptr<TopicReader> ReadScans(const std::string& type, ScanTopic* topic
   if (type == "sensor_msgs/Range") return std::make_unique<ConeReader>(topic);
   return std::make_unique<ScanReader>(type == "sensor_msgs/MultiEchoLaserScan", topic);
 }
-std::unique_ptr<TopicReader> ReadPoses(const std::string& type, std::vector<PoseRow>* rows) {
+std::unique_ptr<TopicReader> ReadPoses(const std::string& type, SpooledRows<PoseRow>* rows) {
   return std::make_unique<PoseReader>(type, rows);
 }
 

@@ -15,6 +15,7 @@
 #include "datasets/bag/topics.h"
 #include "datasets/common/fields.h"
 #include "datasets/import/recorded/range_log.h"
+#include "schema/store/spooled_rows.h"
 
 namespace cairn::datasets::bag {
 
@@ -44,6 +45,13 @@ class TopicClock {
   std::optional<double> least_delay_s_;
 };
 
+// What a sensor with one beam said.
+struct ConeReading {
+  double time_s = 0;
+  std::size_t number = 0;
+  double range_m = 0;
+};
+
 // Scans of one topic before it is known where its sensor sits.
 struct ScanTopic {
   std::string topic, frame;
@@ -51,10 +59,10 @@ struct ScanTopic {
   double opening_rad = 0, max_range_m = 0;
   bool is_infrared = false;
   std::size_t beams = 0;
-  std::size_t expected = 0;        // scans, as far as that is known
   std::filesystem::path folder;    // for its scans (ScanRows)
   ScanRows scans;                  // of a laser: a row for each event
-  std::vector<RangeEvent> events;  // without a sensor
+  SpooledRows<RangeEvent> events;  // without a sensor
+  SpooledRows<ConeReading> cones;  // or these
   // Of clouds: beams are as the robot has them, about this place; and how many scans had points there.
   std::optional<Pose> level_at;
   std::vector<std::size_t> scans_with_points;
@@ -127,7 +135,7 @@ inline Pose Moved(const Pose& from, double ahead_m, double aside_m, double turn_
 
 // Of kOdometry; `frame`, `base`: those of its first message.
 struct OdometryRows {
-  std::vector<PoseRow> poses;
+  SpooledRows<PoseRow> poses;
   std::string frame, base;
   std::vector<std::string> other_joints;  // of messages without the wheels that were asked for
   bool has_covariances = false;
@@ -147,6 +155,6 @@ std::unique_ptr<TopicReader> ReadTransforms(bool are_static, std::vector<Transfo
 // Of kScan and kCone.
 std::unique_ptr<TopicReader> ReadScans(const std::string& type, ScanTopic* topic);
 // Of kPose and kOdometry; of a path that grows from message to message its last state counts.
-std::unique_ptr<TopicReader> ReadPoses(const std::string& type, std::vector<PoseRow>* rows);
+std::unique_ptr<TopicReader> ReadPoses(const std::string& type, SpooledRows<PoseRow>* rows);
 
 }  // namespace cairn::datasets::bag

@@ -16,27 +16,30 @@ namespace {
 // Poses in the order of time, and what lies between two of them that are at most a second apart.
 class TrackInTime {
  public:
-  explicit TrackInTime(std::vector<TimedPose> poses) : poses_(std::move(poses)) {
-    std::erase_if(poses_, [](const TimedPose& pose) { return pose.time_s <= 0; });
-    std::ranges::stable_sort(poses_, {}, &TimedPose::time_s);
+  explicit TrackInTime(SpooledRows<TimedPose> poses) : poses_(std::move(poses)) {
+    poses_.EraseIf([](const TimedPose& pose) { return pose.time_s <= 0; });
+    SortRows(&poses_, [](const TimedPose& pose) { return pose.time_s; });
   }
-  const std::vector<TimedPose>& poses() const { return poses_; }
-  std::optional<Pose> At(double time_s) const {
+  const SpooledRows<TimedPose>& poses() const { return poses_; }
+  // At times that rise.
+  std::optional<Pose> At(double time_s) {
     constexpr double kMostGap_s = 1;
-    const auto next = std::ranges::lower_bound(poses_, time_s, {}, &TimedPose::time_s);
-    if (next == poses_.end()) return std::nullopt;
-    if (next->time_s == time_s) return next->pose;
-    if (next == poses_.begin() || next->time_s - (next - 1)->time_s > kMostGap_s) return std::nullopt;
-    const TimedPose& before = *(next - 1);
-    return Interpolate(before.pose, next->pose, (time_s - before.time_s) / (next->time_s - before.time_s));
+    while (next_ < poses_.size() && poses_[next_].time_s < time_s) ++next_;
+    if (next_ == poses_.size()) return std::nullopt;
+    const TimedPose& next = poses_[next_];
+    if (next.time_s == time_s) return next.pose;
+    if (next_ == 0 || next.time_s - poses_[next_ - 1].time_s > kMostGap_s) return std::nullopt;
+    const TimedPose& before = poses_[next_ - 1];
+    return Interpolate(before.pose, next.pose, (time_s - before.time_s) / (next.time_s - before.time_s));
   }
 
  private:
-  std::vector<TimedPose> poses_;
+  SpooledRows<TimedPose> poses_;
+  std::size_t next_ = 0;
 };
 
-std::vector<TimedPose> TimedPosesOf(const std::vector<PoseRow>& rows) {
-  std::vector<TimedPose> poses;
+SpooledRows<TimedPose> TimedPosesOf(const SpooledRows<PoseRow>& rows) {
+  SpooledRows<TimedPose> poses(rows.folder());
   for (const PoseRow& row : rows) poses.push_back({row.time_s, row.pose});
   return poses;
 }
@@ -52,7 +55,7 @@ struct Course {
 
 }  // namespace
 
-std::vector<PoseRow> PosesOnMap(const FrameTree& frames, const std::string& robot, const std::string& base,
+SpooledRows<PoseRow> PosesOnMap(const FrameTree& frames, const std::string& robot, const std::string& base,
                                 const std::string& whose, ImportReport* report) {
   const FrameTree::Links on_map = frames.MovingOn("map", robot), on_odom = frames.MovingOn("odom", robot);
   if (on_map.empty()) throw InputError(whose + ": there is no frame in tf that lies on one called 'map'");
@@ -69,9 +72,9 @@ std::vector<PoseRow> PosesOnMap(const FrameTree& frames, const std::string& robo
   const std::string& moving = link == on_odom.end() ? odom : link->second;
   Pose mount;
   if (const auto found = frames.Find(moving, base)) mount = found->transform.Planar();
-  const TrackInTime map(frames.TrackOf(odom));
-  const TrackInTime path = link == on_odom.end() ? TrackInTime({}) : TrackInTime(frames.TrackOf(moving));
-  std::vector<PoseRow> poses;
+  TrackInTime map(frames.TrackOf(odom));
+  const TrackInTime path(link == on_odom.end() ? SpooledRows<TimedPose>() : frames.TrackOf(moving));
+  SpooledRows<PoseRow> poses(map.poses().folder());
   std::int64_t without = 0;
   for (const TimedPose& pose : link == on_odom.end() ? map.poses() : path.poses()) {
     const auto on = link == on_odom.end() ? std::optional<Pose>(pose.pose) : map.At(pose.time_s);
@@ -92,10 +95,13 @@ std::vector<PoseRow> PosesOnMap(const FrameTree& frames, const std::string& robo
   return poses;
 }
 
-void CompareOdometries(const NamedTrack& one, const NamedTrack& other, ImportReport* report) {
+void CompareOdometries(const std::string& one, const SpooledRows<PoseRow>& ones, const std::string& other,
+                       const SpooledRows<PoseRow>& others, ImportReport* report) {
   // By less than kTurning_rad in a step a heading may change that stands.
   constexpr double kStep_s = 1, kShare = 0.1, kLeast_m = 0.5, kLeast_rad = 0.2, kTurning_rad = 0.05;
-  const TrackInTime a(TimedPosesOf(one.poses)), b(TimedPosesOf(other.poses));
+  if (ones.empty() || others.empty()) return;
+  const TrackInTime a(TimedPosesOf(ones));
+  TrackInTime b(TimedPosesOf(others));
   if (a.poses().empty() || b.poses().empty()) return;
   Course of_a, of_b;
   double last_s = -1, covered_s = 0, turned_rad = 0;
@@ -131,7 +137,7 @@ void CompareOdometries(const NamedTrack& one, const NamedTrack& other, ImportRep
       fmt::format("{} and {} contradict each other: in the {:.0f} s that both cover the one goes {:.1f} m "
                   "and turns by {:.2f} "
                   "rad{}, the other {:.1f} m and {:.2f} rad; the log has the first",
-                  one.name, other.name, covered_s, of_a.way_m, by_turns ? of_a.turns_rad : of_a.turn_rad,
+                  one, other, covered_s, of_a.way_m, by_turns ? of_a.turns_rad : of_a.turn_rad,
                   by_turns ? " to the left and the right together" : "", of_b.way_m,
                   by_turns ? of_b.turns_rad : of_b.turn_rad));
 }

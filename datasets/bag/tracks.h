@@ -14,16 +14,12 @@ namespace cairn::datasets::bag {
 // of the map are more than a second apart, or before the first and after the last. Of several robots frames
 // that begin with `robot` count, where there are any. Throws InputError, which begins with `whose`, where tf
 // has no such frames.
-std::vector<PoseRow> PosesOnMap(const FrameTree& frames, const std::string& robot, const std::string& base,
+SpooledRows<PoseRow> PosesOnMap(const FrameTree& frames, const std::string& robot, const std::string& base,
                                 const std::string& whose, ImportReport* report);
 
-// An odometry, by its name for people.
-struct NamedTrack {
-  std::string name;
-  std::vector<PoseRow> poses;
-};
-// Warns where the two differ, over the time that both cover, by more than a tenth in the distance travelled,
-// or in how far they turned.
-void CompareOdometries(const NamedTrack& one, const NamedTrack& other, ImportReport* report);
+// Of two odometries, with their names for people: warns where they differ, over the time that both cover, by
+// more than a tenth in the distance travelled, or in how far they turned.
+void CompareOdometries(const std::string& one, const SpooledRows<PoseRow>& ones, const std::string& other,
+                       const SpooledRows<PoseRow>& others, ImportReport* report);
 
 }  // namespace cairn::datasets::bag

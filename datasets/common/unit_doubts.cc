@@ -1,6 +1,7 @@
 #include "datasets/common/unit_doubts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -9,6 +10,7 @@
 #include "schema/geometry.h"
 #include "schema/kinds/learning.h"
 #include "schema/kinds/log.h"
+#include "schema/middle.h"
 
 namespace cairn::datasets {
 namespace {
@@ -44,7 +46,7 @@ struct Fastest {
 // A row's move took the time since the row before; rows nearer than a window are looked at together, where
 // moves to and fro, as noise makes them, take each other back.
 template <class Move>
-Fastest FastestOver(std::span<const double> time_s, double window_s, const Move& move) {
+Fastest FastestOver(const Walked<double>& time_s, double window_s, const Move& move) {
   constexpr double kRounding = 1 - 1e-6;
   Fastest fastest;
   double sum = 0;
@@ -60,7 +62,7 @@ Fastest FastestOver(std::span<const double> time_s, double window_s, const Move&
 
 // What is moved in each window, one after the other, all together.
 template <class Move>
-double SumOver(std::span<const double> time_s, double window_s, const Move& move) {
+double SumOver(const Walked<double>& time_s, double window_s, const Move& move) {
   double all = 0, sum = 0;
   for (std::size_t i = 1, first = 0; i < time_s.size(); ++i) {
     sum += move(i);
@@ -72,19 +74,7 @@ double SumOver(std::span<const double> time_s, double window_s, const Move& move
   return all;
 }
 
-// Between rows; 0 where there are too few to tell.
-double MiddlePause(std::span<const double> time_s) {
-  std::vector<double> pauses;
-  for (std::size_t i = 1; i < time_s.size(); ++i)
-    if (time_s[i] > time_s[i - 1]) pauses.push_back(time_s[i] - time_s[i - 1]);
-  constexpr std::size_t kFew = 10;
-  if (pauses.size() < kFew) return 0;
-  const auto middle = pauses.begin() + static_cast<std::ptrdiff_t>(pauses.size() / 2);
-  std::ranges::nth_element(pauses, middle);
-  return *middle;
-}
-
-std::optional<UnitDoubt> DoubtTimes(std::span<const double> time_s) {
+std::optional<UnitDoubt> DoubtTimes(const Walked<double>& time_s) {
   for (std::size_t i = 0; i < time_s.size(); ++i) {
     if (std::abs(time_s[i]) > kLatestTime_s)
       return UnitDoubt{i, time_s[i],
@@ -97,7 +87,7 @@ std::optional<UnitDoubt> DoubtTimes(std::span<const double> time_s) {
 // `turn` and `distance`: what a row adds; a distance is at least 0. `turns` and `distances`: what they come
 // of, for the question.
 template <class Turn, class Distance>
-std::optional<UnitDoubt> DoubtMoves(std::span<const double> time_s, const Turn& turn,
+std::optional<UnitDoubt> DoubtMoves(const Walked<double>& time_s, const Turn& turn,
                                     const Distance& distance, const char* turns, const char* distances) {
   if (auto doubt = DoubtTimes(time_s)) return doubt;
   double moving_s = 0, going_s = 0, travelled_m = 0;
@@ -127,7 +117,8 @@ std::optional<UnitDoubt> DoubtMoves(std::span<const double> time_s, const Turn& 
                  "and where it goes it does " + Few(travelled_m / going_s) + " m/s in the mean, where " +
                      Few(kMostMeanSpeed_mps) + " is much",
                  std::string(distances) + kCentimetres);
-  const double pause_s = MiddlePause(time_s);
+  constexpr std::size_t kFewPauses = 10;  // to tell the usual one
+  const double pause_s = MiddlePause(time_s, kFewPauses).value_or(0);
   if (pause_s >= kMostPause_s && travelled_m > 0 && travelled_m < kLeastSpeed_mps * moving_s)
     return UnitDoubt{0, time_s.front(),
                      "its rows are " + Few(pause_s) + " s apart, and it goes " +
@@ -154,7 +145,7 @@ constexpr double kDegreesOfPi_rad = std::numbers::pi * std::numbers::pi / 180;
 
 // The row of the largest bearing where all are so small that they may be radians which somebody called
 // degrees, and differ.
-std::optional<std::size_t> RadiansUnderDegrees(std::span<const double> bearing_rad) {
+std::optional<std::size_t> RadiansUnderDegrees(const Walked<double>& bearing_rad) {
   constexpr std::size_t kFew = 20;
   constexpr double kLeastSpread_rad = 0.1 * kDegreesOfPi_rad;
   std::size_t count = 0, largest = 0;
@@ -170,21 +161,56 @@ std::optional<std::size_t> RadiansUnderDegrees(std::span<const double> bearing_r
   return count >= kFew && small && most - least > kLeastSpread_rad ? std::optional(largest) : std::nullopt;
 }
 
-bool AllFinite(std::span<const double> values) {
+bool AllFinite(const Walked<double>& values) {
   return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
 
-// A stretch of a track, and the headings on it; they stand between `low` and `high`.
-struct Stretch {
-  double travelled_m = 0, direction_rad = 0, low_rad = 0, high_rad = 0;
+constexpr double kQuarter_rad = std::numbers::pi / 2;
+
+// What headings may be meant as: `sign` * heading + `offset_rad`.
+struct Meaning {
+  double sign = 1, offset_rad = 0;
+  const char* question = "";
+};
+constexpr std::array<Meaning, 4> kMeanings = {
+    {{},  // as they are
+     {-1, kQuarter_rad, "are headings a compass's, clockwise from north, or are x and y exchanged?"},
+     {-1, 0, "do headings grow clockwise, or does y point to the right?"},
+     {1, kQuarter_rad, "do headings begin at the y axis?"}}};
+
+// A track in stretches that are long enough for their directions to say something, and how much of the way is
+// across the headings, by what these mean.
+struct Course {
+  std::size_t stretches = 0;
+  double travelled_m = 0;
+  std::array<double, kMeanings.size()> aside_m{};
+
+  // A stretch on which the headings stand between `low` and `high`.
+  void Add(double length_m, double direction_rad, double low_rad, double high_rad) {
+    ++stretches;
+    travelled_m += length_m;
+    for (std::size_t k = 0; k < kMeanings.size(); ++k) {
+      const double middle = kMeanings[k].sign * (low_rad + high_rad) / 2 + kMeanings[k].offset_rad;
+      const double off = std::abs(std::remainder(direction_rad - middle, std::numbers::pi));
+      aside_m[k] += length_m * std::sin(std::max(0.0, off - (high_rad - low_rad) / 2));
+    }
+  }
+  // Of the way, 0 to 1.
+  double Aside(std::size_t meaning = 0) const { return travelled_m > 0 ? aside_m[meaning] / travelled_m : 0; }
+  // What the headings may be instead; null where nothing fits.
+  const char* OtherHeadings() const {
+    constexpr double kFits = kMostAside / 3;
+    for (std::size_t k = 1; k < kMeanings.size(); ++k)
+      if (Aside(k) < kFits) return kMeanings[k].question;
+    return nullptr;
+  }
 };
 
-// Long enough for their directions to say something; empty where there are too few of them.
-std::vector<Stretch> StretchesOf(std::span<const double> x_m, std::span<const double> y_m,
-                                 std::span<const double> heading_rad) {
+// Empty where there are too few stretches.
+Course CourseOf(const Walked<double>& x_m, const Walked<double>& y_m, const Walked<double>& heading_rad) {
   constexpr double kLeast_m = 0.1;
   constexpr std::size_t kFew = 20;
-  std::vector<Stretch> stretches;
+  Course course;
   double heading = heading_rad.empty() ? 0 : heading_rad[0], low = heading, high = heading;
   for (std::size_t i = 1, first = 0; i < x_m.size(); ++i) {
     heading += std::remainder(heading_rad[i] - heading_rad[i - 1], kFullTurn_rad);
@@ -192,35 +218,11 @@ std::vector<Stretch> StretchesOf(std::span<const double> x_m, std::span<const do
     high = std::max(high, heading);
     const double dx = x_m[i] - x_m[first], dy = y_m[i] - y_m[first];
     if (std::hypot(dx, dy) < kLeast_m) continue;
-    stretches.push_back({std::hypot(dx, dy), std::atan2(dy, dx), low, high});
+    course.Add(std::hypot(dx, dy), std::atan2(dy, dx), low, high);
     low = high = heading;
     first = i;
   }
-  if (stretches.size() < kFew) stretches.clear();
-  return stretches;
-}
-
-// How much of the way is across the headings, where `sign` * heading + `offset_rad` are meant; 0 to 1.
-double Aside(const std::vector<Stretch>& stretches, double sign, double offset_rad) {
-  double aside_m = 0, travelled_m = 0;
-  for (const Stretch& stretch : stretches) {
-    const double middle = sign * (stretch.low_rad + stretch.high_rad) / 2 + offset_rad;
-    const double off = std::abs(std::remainder(stretch.direction_rad - middle, std::numbers::pi));
-    const double beyond = std::max(0.0, off - (stretch.high_rad - stretch.low_rad) / 2);
-    aside_m += stretch.travelled_m * std::sin(beyond);
-    travelled_m += stretch.travelled_m;
-  }
-  return travelled_m > 0 ? aside_m / travelled_m : 0;
-}
-
-// What the headings may be instead; null where nothing fits.
-const char* OtherHeadings(const std::vector<Stretch>& stretches) {
-  constexpr double kQuarter_rad = std::numbers::pi / 2, kFits = kMostAside / 3;
-  if (Aside(stretches, -1, kQuarter_rad) < kFits)
-    return "are headings a compass's, clockwise from north, or are x and y exchanged?";
-  if (Aside(stretches, -1, 0) < kFits) return "do headings grow clockwise, or does y point to the right?";
-  if (Aside(stretches, 1, kQuarter_rad) < kFits) return "do headings begin at the y axis?";
-  return nullptr;
+  return course.stretches < kFew ? Course() : course;
 }
 
 // Each time's last pose of a robot that follows the controls from the origin.
@@ -228,8 +230,8 @@ struct Track {
   std::vector<double> time_s, x_m, y_m, heading_rad;
 };
 
-Track TrackOfControls(std::span<const double> time_s, std::span<const double> turn_rad,
-                      std::span<const double> forward_m) {
+Track TrackOfControls(const Walked<double>& time_s, const Walked<double>& turn_rad,
+                      const Walked<double>& forward_m) {
   Track track;
   if (turn_rad.size() != time_s.size() || forward_m.size() != time_s.size()) return track;
   Pose pose;
@@ -286,8 +288,8 @@ class Doubts {
 
 }  // namespace
 
-std::optional<UnitDoubt> DoubtControls(std::span<const double> time_s, std::span<const double> turn_rad,
-                                       std::span<const double> forward_m) {
+std::optional<UnitDoubt> DoubtControls(const Walked<double>& time_s, const Walked<double>& turn_rad,
+                                       const Walked<double>& forward_m) {
   if (turn_rad.size() != time_s.size() || forward_m.size() != time_s.size()) return std::nullopt;
   if (!AllFinite(time_s) || !AllFinite(turn_rad) || !AllFinite(forward_m)) return std::nullopt;
   return DoubtMoves(
@@ -295,15 +297,15 @@ std::optional<UnitDoubt> DoubtControls(std::span<const double> time_s, std::span
       [&](std::size_t i) { return std::abs(forward_m[i]); }, "turns", "distances");
 }
 
-std::optional<UnitDoubt> DoubtPoses(std::span<const double> time_s, std::span<const double> x_m,
-                                    std::span<const double> y_m, std::span<const double> heading_rad) {
+std::optional<UnitDoubt> DoubtPoses(const Walked<double>& time_s, const Walked<double>& x_m,
+                                    const Walked<double>& y_m, const Walked<double>& heading_rad) {
   if (x_m.size() != time_s.size() || y_m.size() != time_s.size()) return std::nullopt;
   if (!AllFinite(time_s) || !AllFinite(x_m) || !AllFinite(y_m)) return std::nullopt;
   const bool turns = heading_rad.size() == time_s.size() && AllFinite(heading_rad);
-  const std::vector<Stretch> stretches = turns ? StretchesOf(x_m, y_m, heading_rad) : std::vector<Stretch>();
+  const Course course = turns ? CourseOf(x_m, y_m, heading_rad) : Course();
   // Degrees jump by 360 at their end, which is some turns in radians too: headings that jump by turns are
   // radians where they point where the robot goes.
-  const bool point_ahead = !stretches.empty() && Aside(stretches, 1, 0) <= kMostAside;
+  const bool point_ahead = course.stretches > 0 && course.Aside() <= kMostAside;
   // The way from one heading to the next, the short one at ±pi and where full turns begin anew.
   const auto turn = [&](std::size_t i) {
     if (!turns) return 0.0;
@@ -318,22 +320,22 @@ std::optional<UnitDoubt> DoubtPoses(std::span<const double> time_s, std::span<co
   // Of a slow robot only this tells: headings that go on beyond full turns, and do not point where it goes.
   const auto most = std::ranges::max_element(heading_rad, {}, [](double h) { return std::abs(h); });
   if (most == heading_rad.end() || std::abs(*most) < 2 * kFullTurn_rad) return std::nullopt;
-  if (Aside(stretches, 1, 0) <= kMostAside || OtherHeadings(stretches) != nullptr) return std::nullopt;
+  if (course.Aside() <= kMostAside || course.OtherHeadings() != nullptr) return std::nullopt;
   const auto row = static_cast<std::size_t>(most - heading_rad.begin());
   return UnitDoubt{row, time_s[row],
                    "headings reach " + Few(*most) + ", and it does not go where they point: are they" +
                        std::string(kDegrees)};
 }
 
-std::optional<UnitDoubt> DoubtHeadings(std::span<const double> time_s, std::span<const double> x_m,
-                                       std::span<const double> y_m, std::span<const double> heading_rad) {
+std::optional<UnitDoubt> DoubtHeadings(const Walked<double>& time_s, const Walked<double>& x_m,
+                                       const Walked<double>& y_m, const Walked<double>& heading_rad) {
   if (x_m.size() != time_s.size() || y_m.size() != time_s.size() || heading_rad.size() != time_s.size())
     return std::nullopt;
   if (!AllFinite(x_m) || !AllFinite(y_m) || !AllFinite(heading_rad)) return std::nullopt;
-  const std::vector<Stretch> stretches = StretchesOf(x_m, y_m, heading_rad);
-  const double aside = Aside(stretches, 1, 0);
+  const Course course = CourseOf(x_m, y_m, heading_rad);
+  const double aside = course.Aside();
   if (aside <= kMostAside) return std::nullopt;
-  const char* const others = OtherHeadings(stretches);
+  const char* const others = course.OtherHeadings();
   return UnitDoubt{0, time_s.front(),
                    "it does not go where its headings point: " + Few(std::round(100 * aside)) +
                        " percent of the way is across them: " +
@@ -341,11 +343,11 @@ std::optional<UnitDoubt> DoubtHeadings(std::span<const double> time_s, std::span
                        " Cairn's headings are 0 along x and grow counter-clockwise"};
 }
 
-std::optional<UnitDoubt> DoubtObservations(std::span<const double> time_s, std::span<const double> range_m,
-                                           std::span<const double> bearing_rad, bool range_is_known) {
+std::optional<UnitDoubt> DoubtObservations(const Walked<double>& time_s, const Walked<double>& range_m,
+                                           const Walked<double>& bearing_rad, bool range_is_known) {
   if (range_m.size() != time_s.size() || bearing_rad.size() != time_s.size()) return std::nullopt;
   constexpr double kRounding_rad = 0.01, kFewMillimetres = 2000;  // or 20 m in centimetres
-  const auto worst = [&](std::span<const double> values, double most) -> std::optional<std::size_t> {
+  const auto worst = [&](const Walked<double>& values, double most) -> std::optional<std::size_t> {
     std::optional<std::size_t> row;
     double largest = most;
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -371,7 +373,7 @@ std::optional<UnitDoubt> DoubtObservations(std::span<const double> time_s, std::
   return std::nullopt;
 }
 
-std::optional<UnitDoubt> DoubtClock(std::span<const double> odometry_time_s, std::span<const double> time_s) {
+std::optional<UnitDoubt> DoubtClock(const Walked<double>& odometry_time_s, const Walked<double>& time_s) {
   constexpr std::size_t kFew = 20;
   constexpr double kLeastShare = 1.0 / 500;
   if (time_s.size() < kFew || odometry_time_s.empty()) return std::nullopt;

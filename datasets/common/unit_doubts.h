@@ -6,11 +6,11 @@
 
 #include <cstddef>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "schema/blob.h"
+#include "schema/walked.h"
 
 namespace cairn::datasets {
 
@@ -34,22 +34,22 @@ struct UnitDoubt {
 
 // Columns of one length, times in order; what is not finite says nothing. The first row that is in doubt, or
 // of a doubt about all rows the one that shows it best.
-std::optional<UnitDoubt> DoubtControls(std::span<const double> time_s, std::span<const double> turn_rad,
-                                       std::span<const double> forward_m);
+std::optional<UnitDoubt> DoubtControls(const Walked<double>& time_s, const Walked<double>& turn_rad,
+                                       const Walked<double>& forward_m);
 // Headings may be missing (empty), and go on beyond a full turn where they do so without jumps, and where
 // the robot goes where they point.
-std::optional<UnitDoubt> DoubtPoses(std::span<const double> time_s, std::span<const double> x_m,
-                                    std::span<const double> y_m, std::span<const double> heading_rad);
+std::optional<UnitDoubt> DoubtPoses(const Walked<double>& time_s, const Walked<double>& x_m,
+                                    const Walked<double>& y_m, const Walked<double>& heading_rad);
 // Of odometry's poses: whether the robot goes, forwards or backwards, where its headings point. A compass's
 // headings (clockwise, from north), mirrored ones, and x and y exchanged do not.
-std::optional<UnitDoubt> DoubtHeadings(std::span<const double> time_s, std::span<const double> x_m,
-                                       std::span<const double> y_m, std::span<const double> heading_rad);
+std::optional<UnitDoubt> DoubtHeadings(const Walked<double>& time_s, const Walked<double>& x_m,
+                                       const Walked<double>& y_m, const Walked<double>& heading_rad);
 // `range_is_known`: somebody gave the sensor's largest range, by which ranges are checked already.
-std::optional<UnitDoubt> DoubtObservations(std::span<const double> time_s, std::span<const double> range_m,
-                                           std::span<const double> bearing_rad, bool range_is_known);
+std::optional<UnitDoubt> DoubtObservations(const Walked<double>& time_s, const Walked<double>& range_m,
+                                           const Walked<double>& bearing_rad, bool range_is_known);
 
 // Of what a robot saw against when it drove.
-std::optional<UnitDoubt> DoubtClock(std::span<const double> odometry_time_s, std::span<const double> time_s);
+std::optional<UnitDoubt> DoubtClock(const Walked<double>& odometry_time_s, const Walked<double>& time_s);
 
 // "odometry.csv:7: robot 'anna', row 6 of its odometry (0.5 s): it turns by …"; `where`: "", or as shown.
 std::string DoubtText(const std::string& where, const std::string& who, const std::string& table,

@@ -120,7 +120,7 @@ class CsvImport {
   }
 
   // Whether `time` goes on from the last one of the column; the line is bad where it does not.
-  static bool InOrder(double time, const std::vector<double>& times, CsvReader* reader) {
+  static bool InOrder(double time, const Walked<double>& times, CsvReader* reader) {
     return times.empty() || InOrder(time, times.back(), reader);
   }
   static bool InOrder(double time, double last, CsvReader* reader) {
@@ -200,7 +200,7 @@ class CsvImport {
       robot->odometry_poses.Add(*time, *x, *y, *heading, reader->line());
       ++good;
     }
-    for (RobotRows& robot : rows_.robots) robot.odometry = ControlsOf(TrackOf(robot.odometry_poses));
+    for (RobotRows& robot : rows_.robots) robot.odometry = ControlsOf(robot.odometry_poses);
     return good;
   }
 
@@ -299,7 +299,7 @@ class CsvImport {
   }
 
   // Whether there is a pose to observe from; the line is bad where there is none.
-  static bool WhileDriving(double time, const std::vector<double>& controls, CsvReader* reader) {
+  static bool WhileDriving(double time, const SpooledRows<double>& controls, CsvReader* reader) {
     const double first = controls.front(), last = controls.back();
     const double beyond = std::max(first - time, time - last);
     const bool may_be_rounded = beyond > 0 && beyond <= kRounding_s && !reader->skips() &&

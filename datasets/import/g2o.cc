@@ -117,7 +117,7 @@ class G2oImport {
       pose = Compose(pose, step->second.first);
       AddPose(++at, pose, step->second.second, &robot);
     }
-    robot.odometry = ControlsOf(TrackOf(robot.odometry_poses));
+    robot.odometry = ControlsOf(robot.odometry_poses);
     return step;
   }
 

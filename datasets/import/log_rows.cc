@@ -42,8 +42,12 @@ std::vector<double> WithinATurn(std::vector<double> angles) {
   return angles;
 }
 
-kinds::PoseTable TableOf(const Poses& poses) {
-  return {poses.time_s, poses.x_m, poses.y_m, WithinATurn(poses.heading_rad)};
+kinds::PoseTable TableOf(Poses&& poses) {
+  for (std::size_t i = 0; i < poses.heading_rad.size(); ++i) {
+    const double heading = poses.heading_rad[i], within = NormalizedAngle(heading);
+    if (!std::isnan(heading) && within != heading) poses.heading_rad[i] = within;
+  }
+  return {poses.time_s.Take(), poses.x_m.Take(), poses.y_m.Take(), poses.heading_rad.Take()};
 }
 
 // The ranges of a long log are most of the memory: they are not copied.
@@ -60,7 +64,7 @@ kinds::Log::RangeSensor SensorOf(RangeRows&& rows) {
              beams = static_cast<std::int64_t>(rows.beam_x_m.size());
   kinds::Log::RangeSensor sensor{
       rows.sensor,
-      rows.time_s,
+      rows.time_s.Take(),
       rows.taken ? std::move(rows.taken->range_m) : ArrayOf({scans, beams}, std::move(rows.range_m)),
       rows.beam_x_m,
       rows.beam_y_m,
@@ -74,22 +78,23 @@ kinds::Log::RangeSensor SensorOf(RangeRows&& rows) {
   return sensor;
 }
 
-// Takes the ranges.
+// Takes all but observations.
 void PutRobot(RobotRows& robot, std::size_t index, Blob* log) {
   const std::string prefix = "robot/" + std::to_string(index) + "/";
   const Observations &seen = robot.observations, &sighted = robot.robot_observations;
   kinds::Log::Robot of;
-  of.odometry = {robot.odometry.time_s, robot.odometry.turn_rad, robot.odometry.forward_m};
+  of.odometry = {robot.odometry.time_s.Take(), robot.odometry.turn_rad.Take(),
+                 robot.odometry.forward_m.Take()};
   of.observations = {seen.time_s, seen.range_m, WithinATurn(seen.bearing_rad), seen.landmark, {}};
   if (!sighted.time_s.empty())
     of.robot_observations = {sighted.time_s, sighted.range_m, WithinATurn(sighted.bearing_rad),
                              sighted.landmark};
-  if (!robot.poses.time_s.empty()) of.poses = TableOf(robot.poses);
+  if (!robot.poses.time_s.empty()) of.poses = TableOf(std::move(robot.poses));
   for (RangeRows& ranges : robot.ranges) of.sensors.push_back(SensorOf(std::move(ranges)));
   PutFields(prefix, of, log);
   kinds::Log::TrueRobot truth;
   if (!seen.truth_landmark.empty()) truth.landmark = seen.truth_landmark;
-  if (!robot.truth.time_s.empty()) truth.poses = TableOf(robot.truth);
+  if (!robot.truth.time_s.empty()) truth.poses = TableOf(std::move(robot.truth));
   PutFields("truth/" + prefix, truth, log);
 }
 
@@ -162,8 +167,8 @@ void DoubtPosesOf(const Poses& poses, const std::string& who, const std::string&
   Tell(poses.from, who, table, DoubtPoses(poses.time_s, poses.x_m, poses.y_m, poses.heading_rad), report);
 }
 
-void PutPoses(const std::string& prefix, const Poses& poses, Blob* blob) {
-  PutFields(prefix, TableOf(poses), blob);
+void PutPoses(const std::string& prefix, Poses poses, Blob* blob) {
+  PutFields(prefix, TableOf(std::move(poses)), blob);
 }
 
 void Odometry::Add(double time, double turn, double forward) {
@@ -181,7 +186,7 @@ void Poses::Add(double time, double x, double y, double heading, std::size_t lin
 }
 
 void Poses::RemoveLast() {
-  for (std::vector<double>* column : {&time_s, &x_m, &y_m, &heading_rad}) column->pop_back();
+  for (SpooledRows<double>* column : {&time_s, &x_m, &y_m, &heading_rad}) column->pop_back();
   from.line.pop_back();
 }
 
@@ -252,8 +257,8 @@ Blob MakeLog(LogRows rows, const std::string& source, ImportReport* report) {
   for (std::size_t n = 0; n < rows.robots.size(); ++n) {
     names.push_back(rows.robots[n].name);
     DoubtUnits(rows.robots[n], rows.noise.max_range_m.has_value(), report);
-    PutRobot(rows.robots[n], n, &log);
     Count(rows.robots[n], report);
+    PutRobot(rows.robots[n], n, &log);
   }
   if (report->controls == 0) throw InputError(source + ": the log is empty: it has no controls");
   if (report->observations == 0 && report->scans == 0)

@@ -12,6 +12,7 @@
 #include "datasets/import/scan_rows.h"
 #include "schema/blob.h"
 #include "schema/geometry.h"
+#include "schema/store/spooled_rows.h"
 
 namespace cairn::datasets {
 
@@ -62,15 +63,19 @@ struct ImportReport {
 // The file and the lines that rows come from, for messages; importers that do not keep it leave it empty.
 struct Origin {
   std::string file;
-  std::vector<std::size_t> line;  // of each row
+  SpooledRows<std::size_t> line;  // of each row
   std::string before_line = ":";
   std::string Of(std::size_t row) const;  // "odometry.csv:7: ", or nothing
 };
 
-// Angles as they were read: the log has them within a turn. Columns as in schema/FORMAT.md.
+// Angles as they were read: the log has them within a turn. Columns as in schema/FORMAT.md; where a folder is
+// named those of many rows lie there.
 struct Odometry {
-  std::vector<double> time_s, turn_rad, forward_m;
+  SpooledRows<double> time_s, turn_rad, forward_m;
   Origin from;
+  Odometry() = default;
+  explicit Odometry(const std::filesystem::path& folder)
+      : time_s(folder), turn_rad(folder), forward_m(folder) {}
   void Add(double time, double turn, double forward);
 };
 struct Observations {
@@ -81,8 +86,13 @@ struct Observations {
   void Add(double time, std::int32_t which, double range, double bearing);
 };
 struct Poses {
-  std::vector<double> time_s, x_m, y_m, heading_rad;
+  SpooledRows<double> time_s, x_m, y_m, heading_rad;
   Origin from;
+  Poses() = default;
+  explicit Poses(const std::filesystem::path& folder)
+      : time_s(folder), x_m(folder), y_m(folder), heading_rad(folder) {
+    from.line = SpooledRows<std::size_t>(folder);
+  }
   void Add(double time, double x, double y, double heading, std::size_t line);
   void RemoveLast();
 };
@@ -105,7 +115,7 @@ struct RangeRows {
   std::string sensor;  // "laser", "laser2", "sonar"
   std::vector<double> beam_x_m, beam_y_m, beam_heading_rad;
   double opening_rad = 0, max_range_m = 0;
-  std::vector<double> time_s;
+  SpooledRows<double> time_s;
   RangeValues range_m;           // a row of all beams for each scan
   std::vector<float> intensity;  // the same; empty: the sensor does not say
   // Or, of a laser whose scans are its rows (RangeEvent::row): these, and which of their beams count (empty:
@@ -162,7 +172,7 @@ struct Misreading {
 std::optional<Misreading> FindMisreading(double range_m, double bearing_rad, const NoiseParameters& noise);
 
 // Puts `prefix`time_s, x_m, y_m, heading_rad; headings within a turn.
-void PutPoses(const std::string& prefix, const Poses& poses, Blob* blob);
+void PutPoses(const std::string& prefix, Poses poses, Blob* blob);
 
 // What of the poses no robot does, into the report. `who`: "robot 'anna'"; `table`: "true poses".
 void DoubtPosesOf(const Poses& poses, const std::string& who, const std::string& table, ImportReport* report);

@@ -33,32 +33,41 @@ MotionIncrement IncrementTo(const Pose& from, const Pose& to) {
   return {before, forward, WrapAngle(turn - before)};
 }
 
-}  // namespace
-
-Odometry ControlsOf(const std::vector<TimedPose>& poses) {
-  Odometry odometry;
-  if (poses.empty()) return odometry;
-  odometry.Add(poses[0].time_s, 0, 0);
-  Pose reckoned = poses[0].pose;
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    const MotionIncrement increment = IncrementTo(reckoned, poses[i].pose);
+// `at(i)`: the pose of that number.
+Odometry ControlsAlong(std::size_t poses, const auto& at, const std::filesystem::path& folder) {
+  Odometry odometry(folder);
+  if (poses == 0) return odometry;
+  TimedPose now = at(0);
+  odometry.Add(now.time_s, 0, 0);
+  Pose reckoned = now.pose;
+  for (std::size_t i = 1; i < poses; ++i) {
+    const double halt_s = now.time_s;  // a move began no sooner than the pose before
+    now = at(i);
+    const MotionIncrement increment = IncrementTo(reckoned, now.pose);
     const bool still = increment.before_rad == 0 && increment.forward_m == 0 && increment.after_rad == 0;
-    if (still && i + 1 < poses.size()) continue;
-    const double halt_s = poses[i - 1].time_s;  // a move began no sooner than the pose before
+    if (still && i + 1 < poses) continue;
     if (odometry.time_s.back() < halt_s) odometry.Add(halt_s, 0, 0);
-    odometry.Add(poses[i].time_s, increment.before_rad, increment.forward_m);
-    if (increment.after_rad != 0) odometry.Add(poses[i].time_s, increment.after_rad, 0);
+    odometry.Add(now.time_s, increment.before_rad, increment.forward_m);
+    if (increment.after_rad != 0) odometry.Add(now.time_s, increment.after_rad, 0);
     reckoned = Apply(Apply(reckoned, {increment.before_rad, increment.forward_m}), {increment.after_rad, 0});
-    reckoned.heading_rad = poses[i].pose.heading_rad;
+    reckoned.heading_rad = now.pose.heading_rad;
   }
   return odometry;
 }
 
-std::vector<TimedPose> TrackOf(const Poses& poses) {
-  std::vector<TimedPose> track;
-  for (std::size_t i = 0; i < poses.time_s.size(); ++i)
-    track.push_back({poses.time_s[i], {poses.x_m[i], poses.y_m[i], WrapAngle(poses.heading_rad[i])}});
-  return track;
+}  // namespace
+
+Odometry ControlsOf(const std::vector<TimedPose>& poses) {
+  return ControlsAlong(poses.size(), [&](std::size_t i) { return poses[i]; }, {});
+}
+
+Odometry ControlsOf(const Poses& poses) {
+  return ControlsAlong(
+      poses.time_s.size(),
+      [&](std::size_t i) {
+        return TimedPose{poses.time_s[i], {poses.x_m[i], poses.y_m[i], WrapAngle(poses.heading_rad[i])}};
+      },
+      poses.time_s.folder());
 }
 
 }  // namespace cairn::datasets

@@ -24,6 +24,7 @@ inline constexpr double kMostAsideM = 0.005;
 // robot that stands still gets no row, but for the end of the halt.
 Odometry ControlsOf(const std::vector<TimedPose>& poses);
 
-std::vector<TimedPose> TrackOf(const Poses& poses);
+// Of such poses; the controls lie in the folder of their times.
+Odometry ControlsOf(const Poses& poses);
 
 }  // namespace cairn::datasets

@@ -54,7 +54,7 @@ std::string HintOfSameTime(double time_s, double last_s) {
   return time_s == last_s && IsWholeSecond(time_s) ? std::string("; ") + kWholeSeconds : "";
 }
 
-bool AreWholeSeconds(std::span<const double> time_s) {
+bool AreWholeSeconds(const Walked<double>& time_s) {
   return time_s.size() > 1 && std::ranges::all_of(time_s, IsWholeSecond);
 }
 

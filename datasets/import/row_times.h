@@ -8,6 +8,7 @@
 #include <string>
 
 #include "datasets/import/csv_reader.h"
+#include "schema/walked.h"
 
 namespace cairn::datasets {
 
@@ -22,7 +23,7 @@ inline constexpr char kWholeSeconds[] =
 // "; are times rounded …" where a row has the time of the one before, and that may be why; else empty.
 std::string HintOfSameTime(double time_s, double last_s);
 // Whether there are several, and all are.
-bool AreWholeSeconds(std::span<const double> time_s);
+bool AreWholeSeconds(const Walked<double>& time_s);
 // The same of all rows of a file, wherever the reader is.
 bool AreWholeSeconds(const CsvReader& reader, std::size_t time);
 

@@ -16,7 +16,7 @@ Array TakeArray(Spool* values, std::size_t rows, std::size_t beams) {
   return std::move(array).value();
 }
 
-bool AreAll(const std::vector<std::size_t>& rows, std::size_t count) {
+bool AreAll(const SpooledRows<std::size_t>& rows, std::size_t count) {
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (rows[i] != i) return false;
   return rows.size() == count;
@@ -64,7 +64,7 @@ void ScanRows::AddIntensity(std::span<const float> intensity) {
   ++intensity_rows_;
 }
 
-ScanRows::Taken ScanRows::Take(const std::vector<std::size_t>& rows, const std::vector<bool>& beams) && {
+ScanRows::Taken ScanRows::Take(const SpooledRows<std::size_t>& rows, const std::vector<bool>& beams) && {
   Taken all{TakeArray<double>(&range_m_, rows_, beams_), std::nullopt, unanswered_};
   if (intensity_rows_ > 0) all.intensity = TakeArray<float>(&intensity_, rows_, beams_);
   if (AreAll(rows, rows_) && beams.empty()) {
@@ -75,7 +75,7 @@ ScanRows::Taken ScanRows::Take(const std::vector<std::size_t>& rows, const std::
   ScanRows kept(range_m_.folder(), left, max_range_m_);
   std::vector<double> range_m;
   std::vector<float> intensity;
-  std::vector<std::size_t> in_order;
+  SpooledRows<std::size_t> in_order(range_m_.folder());
   const std::size_t at_once = std::max<std::size_t>((1 << 20) / (beams_ * sizeof(double)), 1);
   for (const std::size_t row : rows) {
     kept.Add(RowOf(all.range_m, row, beams, &range_m), 0,

@@ -32,7 +32,7 @@ class ScanRows {
     std::int64_t unanswered = 0;
   };
   // These rows in this order, and of them these beams (empty: all). Throws NotStored.
-  Taken Take(const std::vector<std::size_t>& rows, const std::vector<bool>& beams) &&;
+  Taken Take(const SpooledRows<std::size_t>& rows, const std::vector<bool>& beams) &&;
 
  private:
   void AddIntensity(std::span<const float> intensity);

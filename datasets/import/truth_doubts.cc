@@ -4,32 +4,38 @@
 #include <cmath>
 #include <cstdint>
 #include <set>
-#include <span>
 
 #include "datasets/common/array_text.h"
 #include "schema/geometry.h"
+#include "schema/middle.h"
+#include "schema/walked.h"
 
 namespace cairn::datasets {
 namespace {
 
-double Middle(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
+Walked<double> WalkedOrNone(const Column<double>& column) {
+  return column ? Walked<double>(column.array()) : Walked<double>();
+}
+
+// The middle one of at(i).
+double MiddleOfAll(std::size_t count, const auto& at) {
+  return *MiddleOf([&](const auto& take) {
+    for (std::size_t i = 0; i < count; ++i) take(at(i));
+  });
 }
 
 // How far from their middle half of the points lie and more; a few that are far off do not count.
-double ExtentM(std::span<const double> x_m, std::span<const double> y_m) {
-  if (x_m.empty() || x_m.size() != y_m.size()) return 0;
-  const Point middle{Middle({x_m.begin(), x_m.end()}), Middle({y_m.begin(), y_m.end()})};
-  std::vector<double> away_m;
-  for (std::size_t i = 0; i < x_m.size(); ++i) away_m.push_back(DistanceM({x_m[i], y_m[i]}, middle));
-  return Middle(away_m);
+double ExtentM(const Walked<double>& x_m, const Walked<double>& y_m) {
+  const std::size_t count = x_m.size();
+  if (count == 0 || count != y_m.size()) return 0;
+  const Point middle{MiddleOfAll(count, [&](std::size_t i) { return x_m[i]; }),
+                     MiddleOfAll(count, [&](std::size_t i) { return y_m[i]; })};
+  return MiddleOfAll(count, [&](std::size_t i) { return DistanceM({x_m[i], y_m[i]}, middle); });
 }
 
 double TravelledM(const kinds::Log::Robot& robot) {
   double travelled_m = 0;
-  for (const double forward_m : robot.odometry.forward_m.OrNone()) travelled_m += std::abs(forward_m);
+  for (const double forward_m : WalkedOrNone(robot.odometry.forward_m)) travelled_m += std::abs(forward_m);
   return travelled_m;
 }
 
@@ -56,7 +62,7 @@ class TruthDoubts {
     OfLandmarks();
     for (std::size_t n = 0; n < std::min(log_.robot.size(), log_.truth.robot.size()); ++n) {
       const kinds::PoseTable& poses = log_.truth.robot[n].poses;
-      Doubt("true poses of robot '" + log_.robots[n] + "'", poses.x_m.OrNone(), poses.y_m.OrNone(),
+      Doubt("true poses of robot '" + log_.robots[n] + "'", WalkedOrNone(poses.x_m), WalkedOrNone(poses.y_m),
             TravelledM(log_.robot[n]), kMostBeyond, "it drove");
     }
     return std::move(doubts_);
@@ -94,7 +100,7 @@ class TruthDoubts {
   }
 
   // `room`: how many times the reach is allowed.
-  void Doubt(const std::string& what, std::span<const double> x_m, std::span<const double> y_m,
+  void Doubt(const std::string& what, const Walked<double>& x_m, const Walked<double>& y_m,
              double reach_m, double room, const std::string& reached) {
     constexpr double kLeastReach_m = 1, kAsMillimetres = 200;
     const double extent_m = ExtentM(x_m, y_m);

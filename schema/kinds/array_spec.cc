@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "schema/walked.h"
+
 namespace cairn {
 namespace {
 
@@ -213,10 +215,9 @@ class Checker {
       before += std::ssize(values);
       return true;
     });
-    const std::span<const T> values = array.As<T>();
-    if (allowed.rises) CheckRises(name, array, values);
+    if (allowed.rises) CheckRises<T>(name, array, array);
     if (!allowed.rows_of.empty())
-      CheckSum(name, values, RowsIn(allowed.rows_of, owner), NameFor(allowed.rows_of, owner));
+      CheckSum<T>(name, array.As<T>(), RowsIn(allowed.rows_of, owner), NameFor(allowed.rows_of, owner));
   }
 
   static std::string Entry(const std::string& name, const Array& array, std::ptrdiff_t at) {
@@ -239,7 +240,7 @@ class Checker {
   }
 
   template <class T>
-  static void CheckRises(const std::string& name, const Array& array, std::span<const T> values) {
+  static void CheckRises(const std::string& name, const Array& array, const Walked<T>& values) {
     const auto falls = std::ranges::adjacent_find(values, [](T a, T b) { return b < a; });
     if (falls == values.end()) return;
     throw InputError(

@@ -11,6 +11,8 @@
 
 #include "schema/geometry.h"
 #include "schema/kinds/log.h"
+#include "schema/middle.h"
+#include "schema/walked.h"
 
 namespace cairn {
 namespace {
@@ -20,14 +22,9 @@ constexpr double kLeast_s = 2;
 constexpr double kLeastTravel_m = 0.05, kLeastTurn_rad = 0.05;
 
 // The pause between two rows from which on it is a hole; none: too few rows tell what is usual.
-std::optional<double> UsualPause(std::span<const double> time_s) {
+std::optional<double> UsualPause(const Walked<double>& time_s) {
   constexpr std::size_t kFew = 20;
-  std::vector<double> pauses;
-  for (std::size_t i = 1; i < time_s.size(); ++i)
-    if (time_s[i] > time_s[i - 1]) pauses.push_back(time_s[i] - time_s[i - 1]);
-  if (pauses.size() < kFew) return std::nullopt;
-  std::ranges::nth_element(pauses, pauses.begin() + static_cast<std::ptrdiff_t>(pauses.size() / 2));
-  return pauses[pauses.size() / 2];
+  return MiddlePause(time_s, kFew);
 }
 
 // How fast the robot went in the rows before row i, and in those after it.
@@ -148,7 +145,8 @@ std::optional<OdometryHole> HoleBefore(const kinds::Log::Robot& robot, std::size
 }
 
 std::vector<OdometryHole> HolesOf(const kinds::Log::Robot& robot) {
-  const auto time_s = robot.odometry.time_s.OrNone();
+  if (!robot.odometry.time_s) return {};
+  const Walked<double> time_s = robot.odometry.time_s.array();
   if (robot.odometry.turn_rad.OrNone().size() != time_s.size() ||
       robot.odometry.forward_m.OrNone().size() != time_s.size())
     return {};

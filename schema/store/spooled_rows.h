@@ -70,7 +70,7 @@ class SpooledRows {
     return *this;
   }
   SpooledRows& operator=(const std::vector<T>& rows) {
-    clear();
+    size_ = 0;
     for (const T& row : rows) push_back(row);
     return *this;
   }

@@ -100,8 +100,9 @@ class CarmenImport {
         ++report_.dropped[message + ", of which another message holds the same"];
         continue;
       }
-      ranges->events.push_back(std::move(event.event));
+      ranges->events.push_back(event.event);
     }
+    ranges->things = std::move(carmen_.things);
     ranges->sensors.push_back(SonarRows());
   }
 

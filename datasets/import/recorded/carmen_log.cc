@@ -84,7 +84,7 @@ class Reader {
     event->event.stamp_s = scan.stamp_s;
     event->event.odometry = scan.robot;
     event->event.sensor = static_cast<std::uint32_t>(source - log_.sources.begin());
-    event->event.scan = Readings{std::move(scan.range_m), std::move(scan.remission)};
+    event->event.scan = log_.things.Keep(Readings{std::move(scan.range_m), std::move(scan.remission)});
   }
 
   void ReadSonar(const Fields& line, RangeEvent* event) {
@@ -100,18 +100,18 @@ class Reader {
     }
     event->stamp_s = scan.stamp_s;
     event->sensor = kCarmenSonar;
-    event->scan = Readings{std::move(scan.range_m)};
+    event->scan = log_.things.Keep(Readings{std::move(scan.range_m)});
   }
 
   // MARKER text time host time; the text may be of several words, or none.
-  static void ReadMarker(const Fields& line, RangeEvent* event) {
+  void ReadMarker(const Fields& line, RangeEvent* event) {
     constexpr std::size_t kBehind = 3;
     if (line.size() < 1 + kBehind) throw LineError{"line cut short", "no time of the marker"};
     event->stamp_s = line.Stamp(line.size() - kBehind);
     std::string text;
     for (std::size_t f = 1; f + kBehind < line.size(); ++f)
       text += (text.empty() ? "" : " ") + std::string(line.Text(f));
-    event->mark = text;
+    event->mark = log_.things.Keep(std::move(text));
   }
 
   CarmenLog log_;

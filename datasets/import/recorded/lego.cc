@@ -149,7 +149,7 @@ void ReadReference(const std::string& path, BadLines* bad, const std::vector<dou
     truth->x_m.push_back(rows[i][1] * kMetres);
     truth->y_m.push_back(rows[i][2] * kMetres);
   }
-  truth->heading_rad = Course(truth->x_m, truth->y_m, kStep_m);
+  truth->heading_rad = Course(truth->x_m.vector(), truth->y_m.vector(), kStep_m);
 }
 
 void ReadArena(const std::string& path, BadLines* bad, LogRows* rows) {

@@ -115,7 +115,7 @@ ImportReport ImportPioneer(const RangeImportOptions& options, Blob* log) {
                                    {},
                                    {},
                                    sensor,
-                                   Readings{sensor == 0 ? sonar->values : laser->values}});
+                                   ranges_log.things.Keep(Readings{sensor == 0 ? sonar->values : laser->values})});
   }
   return MakeRangeLog(std::move(ranges_log), options.noise, &bad, std::move(report), log);
 }

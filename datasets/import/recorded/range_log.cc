@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
+#include <functional>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include "datasets/import/name_index.h"
@@ -16,7 +17,7 @@ namespace {
 
 constexpr double kMostLate_s = 1, kTick_s = 1e-6;
 
-using Events = std::vector<RangeEvent>;
+using Events = SpooledRows<RangeEvent>;
 
 bool SamePose(const auto& a, const auto& b) {
   if (!a || !b) return !a && !b;
@@ -33,14 +34,19 @@ bool StampsTellApart(const Events& events) {
   const bool scans = std::ranges::any_of(events, [](const RangeEvent& e) { return e.sensor.has_value(); });
   const bool odometry =
       std::ranges::any_of(events, [](const RangeEvent& e) { return e.odometry.has_value(); });
-  std::vector<std::pair<std::size_t, double>> stamps;
+  struct Stamp {
+    std::size_t sensor;
+    double stamp_s;
+    auto operator<=>(const Stamp&) const = default;
+  };
+  SpooledRows<Stamp> stamps(events.folder());
   for (const RangeEvent& event : events)
     if (scans ? event.sensor.has_value() : !odometry || event.odometry)
-      stamps.emplace_back(event.sensor.value_or(0), event.stamp_s);
-  const std::size_t count = stamps.size();
-  std::ranges::sort(stamps);
-  const auto repeated = std::ranges::unique(stamps);
-  return 2 * (count - repeated.size()) > count;
+      stamps.push_back({event.sensor.value_or(0), event.stamp_s});
+  SortRows(&stamps, std::identity());
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < stamps.size(); ++i) different += i == 0 || stamps[i] != stamps[i - 1] ? 1 : 0;
+  return 2 * different > stamps.size();
 }
 
 void Number(Events* events) {
@@ -50,7 +56,7 @@ void Number(Events* events) {
 // Takes out what is out of place.
 void DropLate(const std::string& path, BadLines* bad, ImportReport* report, Events* events) {
   double latest_s = -std::numeric_limits<double>::infinity();
-  std::erase_if(*events, [&](const RangeEvent& event) {
+  events->EraseIf([&](const RangeEvent& event) {
     const bool late = event.stamp_s < latest_s - kMostLate_s;
     if (IsPoseAlone(event) && (late || event.stamp_s <= 0)) {
       ++report->dropped[late && event.stamp_s > 0 ? "pose whose time stamp is more than 1 s behind"
@@ -67,24 +73,26 @@ void DropLate(const std::string& path, BadLines* bad, ImportReport* report, Even
 }
 
 // Events of one stamp, from `first` to `end`: their times, of which the first is `time_s`. Returns the last.
-double SpreadScans(Events::iterator first, Events::iterator end, double time_s, std::int64_t* repeats) {
+double SpreadScans(std::size_t first, std::size_t end, double time_s, std::int64_t* repeats, Events* events) {
   const RangeEvent* before = nullptr;
-  const bool scans = std::any_of(first, end, IsPosedScan);
+  bool scans = false;
+  for (std::size_t i = first; i < end; ++i) scans = scans || IsPosedScan((*events)[i]);
   double scan_s = time_s;
-  for (auto event = first; event != end; ++event) {
-    event->stamp_s = time_s;
-    if (!IsPosedScan(*event)) {
+  for (std::size_t i = first; i < end; ++i) {
+    RangeEvent& event = (*events)[i];
+    event.stamp_s = time_s;
+    if (!IsPosedScan(event)) {
       if (!scans) continue;
-      event->odometry = std::nullopt;
-      event->corrected = std::nullopt;
+      event.odometry = std::nullopt;
+      event.corrected = std::nullopt;
       continue;
     }
-    const bool same = before == nullptr || (SamePose(before->odometry, event->odometry) &&
-                                            SamePose(before->corrected, event->corrected));
+    const bool same = before == nullptr || (SamePose(before->odometry, event.odometry) &&
+                                            SamePose(before->corrected, event.corrected));
     if (!same) scan_s += kTick_s;
     *repeats += same ? 0 : 1;
-    event->stamp_s = scan_s;
-    before = &*event;
+    event.stamp_s = scan_s;
+    before = &event;
   }
   return scan_s;
 }
@@ -93,10 +101,11 @@ double SpreadScans(Events::iterator first, Events::iterator end, double time_s, 
 void TellTimesApart(ImportReport* report, Events* events) {
   std::int64_t repeats = 0;
   double last_s = -std::numeric_limits<double>::infinity();
-  for (auto first = events->begin(); first != events->end();) {
-    const double stamp_s = first->stamp_s;
-    const auto end = std::find_if(first, events->end(), [&](const auto& e) { return e.stamp_s != stamp_s; });
-    last_s = SpreadScans(first, end, stamp_s > last_s ? stamp_s : last_s + kTick_s, &repeats);
+  for (std::size_t first = 0; first < events->size();) {
+    const double stamp_s = (*events)[first].stamp_s;
+    std::size_t end = first + 1;
+    while (end < events->size() && (*events)[end].stamp_s == stamp_s) ++end;
+    last_s = SpreadScans(first, end, stamp_s > last_s ? stamp_s : last_s + kTick_s, &repeats, events);
     first = end;
   }
   if (repeats > 0)
@@ -106,7 +115,7 @@ void TellTimesApart(ImportReport* report, Events* events) {
 
 // The poses of `which`; of those at one time the last.
 Poses PosesOf(const RangeLog& log, const auto& which) {
-  Poses poses;
+  Poses poses(log.events.folder());
   poses.from.file = log.path;
   poses.from.before_line = log.before_line;
   for (const RangeEvent& event : log.events) {
@@ -166,8 +175,11 @@ void AddSensed(RangeLog* log, double first_s, double last_s, NameIndex* known, I
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   RobotRows& robot = *to;
   NameIndex& names = *known;
-  std::vector<std::vector<std::size_t>> rows(log->sensors.size());  // of each sensor's own
-  for (RangeEvent& event : log->events) {
+  const SpooledRows<std::size_t> none(log->events.folder());
+  const SpooledRows<double> no_times(log->events.folder());
+  std::vector<SpooledRows<std::size_t>> rows(log->sensors.size(), none);  // of each sensor's own
+  for (RangeRows& sensor : log->sensors) sensor.time_s = no_times;
+  for (const RangeEvent& event : log->events) {
     if (event.stamp_s < first_s || event.stamp_s > last_s) {
       const char* what = event.sensor ? "scan" : event.mark ? "mark" : "landmark";
       ++report->dropped[std::string(what) + " outside the odometry's time"];
@@ -178,7 +190,7 @@ void AddSensed(RangeLog* log, double first_s, double last_s, NameIndex* known, I
       log->sensors[*event.sensor].time_s.push_back(event.stamp_s);
     } else if (event.sensor) {
       AddScan(event.stamp_s, *event.scan, &log->sensors[*event.sensor]);
-      event.scan = std::nullopt;  // the log has it now
+      *event.scan = {};  // the log has it now
     }
     if (event.landmark)
       robot.observations.Add(event.stamp_s,
@@ -208,33 +220,20 @@ void AddRobot(RangeLog* ranges, BadLines* bad, NameIndex* names, ImportReport* r
     throw InputError(ranges->path + ": there is neither odometry nor a pose in it");
   const double first_s = odometry.time_s.front(), last_s = odometry.time_s.back();
   robot->truth = PosesOf(*ranges, &RangeEvent::truth);
-  std::erase_if(ranges->events, IsPoseAlone);  // most of the memory
-  ranges->events.shrink_to_fit();
+  ranges->events.EraseIf(IsPoseAlone);  // most of them
   robot->name = ranges->robot;
-  robot->odometry = ControlsOf(TrackOf(odometry));
+  robot->odometry = ControlsOf(odometry);
   robot->odometry_poses = std::move(odometry);
   robot->poses = corrected;
   AddSensed(ranges, first_s, last_s, names, report, robot);
-  ranges->events = {};
+  ranges->events.clear();
+  ranges->things = {};
 }
 
 }  // namespace
 
-// An event is large, and there are many: their numbers are sorted, then each event is moved once.
-void SortByTime(std::vector<RangeEvent>* events) {
-  if (std::ranges::is_sorted(*events, {}, &RangeEvent::stamp_s)) return;
-  std::vector<std::uint32_t> from(events->size());
-  std::iota(from.begin(), from.end(), 0U);
-  std::ranges::stable_sort(from, {}, [&](std::uint32_t i) { return (*events)[i].stamp_s; });
-  for (std::uint32_t first = 0; first < from.size(); ++first) {
-    if (from[first] == first) continue;
-    RangeEvent held = std::move((*events)[first]);
-    std::uint32_t at = first;
-    for (; from[at] != first; at = std::exchange(from[at], at))
-      (*events)[at] = std::move((*events)[from[at]]);
-    (*events)[at] = std::move(held);
-    from[at] = at;
-  }
+void SortByTime(SpooledRows<RangeEvent>* events) {
+  SortRows(events, [](const RangeEvent& event) { return event.stamp_s; });
 }
 
 double Answer(double range_m, double least_m, double reach_m) {

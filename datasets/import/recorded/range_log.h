@@ -4,14 +4,16 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "datasets/common/text_file.h"
 #include "datasets/import/log_rows.h"
-#include "datasets/import/rare.h"
 #include "schema/geometry.h"
+#include "schema/store/spooled_rows.h"
 
 namespace cairn::datasets {
 
@@ -31,28 +33,47 @@ struct Readings {
 struct RangeEvent {
   std::size_t line = 0;
   double stamp_s = 0;
-  std::optional<Pose> odometry;  // where the robot was, as its odometry says
-  Rare<Pose> corrected;          // where it was, as the log's maker found out
-  Rare<Pose> truth;
-  std::optional<std::uint32_t> sensor;    // of a scan: index into RangeLog::sensors
-  Rare<Readings> scan = {};               // or:
-  std::optional<std::uint32_t> row = {};  // of its sensor's `scans`
-  Rare<std::string> mark = {};            // what a person said of the place: a contact detection
-  Rare<LandmarkSeen> landmark = {};
+  std::optional<Pose> odometry;   // where the robot was, as its odometry says
+  std::optional<Pose> corrected;  // where it was, as the log's maker found out
+  std::optional<Pose> truth;
+  std::optional<std::uint32_t> sensor;        // of a scan: index into RangeLog::sensors
+  Readings* scan = nullptr;                   // or:
+  std::optional<std::uint32_t> row = {};      // of its sensor's `scans`
+  const std::string* mark = nullptr;          // what a person said of the place: a contact detection
+  const LandmarkSeen* landmark = nullptr;
 };
-static_assert(sizeof(RangeEvent) <= 104, "a day's events fill the memory");
+
+// What few of the events have, at places that stay.
+class RangeThings {
+ public:
+  RangeThings() = default;
+  RangeThings(const RangeThings&) = delete;
+  RangeThings& operator=(const RangeThings&) = delete;
+  RangeThings(RangeThings&&) = default;
+  RangeThings& operator=(RangeThings&&) = default;
+  ~RangeThings() = default;
+  Readings* Keep(Readings scan) { return &scans_.emplace_back(std::move(scan)); }
+  const std::string* Keep(std::string mark) { return &marks_.emplace_back(std::move(mark)); }
+  const LandmarkSeen* Keep(LandmarkSeen seen) { return &landmarks_.emplace_back(std::move(seen)); }
+
+ private:
+  std::deque<Readings> scans_;
+  std::deque<std::string> marks_;
+  std::deque<LandmarkSeen> landmarks_;
+};
 
 struct RangeLog {
   std::string path, robot = "robot";
-  std::vector<RangeRows> sensors;  // their geometry; scans are filled in
-  std::vector<RangeEvent> events;  // in the order of lines
+  std::vector<RangeRows> sensors;   // their geometry; scans are filled in
+  SpooledRows<RangeEvent> events;   // in the order of lines; what is made of them lies in their folder
+  RangeThings things;               // of the events
   bool numbered = false;           // do not use the time stamps
   bool marks_are_names = false;    // marks of the same text are of one landmark
   std::string before_line = ":";   // what stands before a line's number in messages
 };
 
 // By their stamps; of equal ones in the order that they have.
-void SortByTime(std::vector<RangeEvent>* events);
+void SortByTime(SpooledRows<RangeEvent>* events);
 
 // Beams of a laser from right to left about its middle, at `ahead_m` on the robot.
 RangeRows LaserFan(const std::string& sensor, std::size_t beams, double step_deg, double ahead_m,

@@ -130,7 +130,7 @@ class VictoriaImport {
       truth->x_m.push_back(reader[2]);  // east
       truth->y_m.push_back(reader[1]);  // north: told from the turns of the odometry
     }
-    truth->heading_rad = Course(truth->x_m, truth->y_m, kMove_m);
+    truth->heading_rad = Course(truth->x_m.vector(), truth->y_m.vector(), kMove_m);
   }
 
   const RecordedImportOptions& options_;
