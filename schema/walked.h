@@ -23,8 +23,9 @@ class MappedBlocks {
  public:
   static constexpr std::size_t kBytes = std::size_t{1} << 18;
   bool IsAt(std::size_t block) const { return block == now_; }
-  // `bytes`: all of the file; empty: the values are in memory.
-  void Turn(std::size_t block, std::size_t block_bytes, std::span<const std::byte> bytes);
+  // `bytes`: all of the file; empty: the values are in memory. `to_write`: all of the block will be written.
+  void Turn(std::size_t block, std::size_t block_bytes, std::span<const std::byte> bytes,
+            bool to_write = false);
 
  private:
   std::size_t now_ = static_cast<std::size_t>(-1), before_ = now_;

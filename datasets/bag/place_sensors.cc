@@ -53,11 +53,9 @@ class BagLog {
     TakePosesOfTf();
     if (!in_.fixes.topic.empty()) in_.truth = PosesOfFixes(in_.fixes, Antenna(), origin, &report_);
     in_.frames.ForgetTracks();
-    AddPoses(in_.odometry.poses, &RangeEvent::odometry);
     AddPoses(in_.truth, &RangeEvent::truth);
     AddPoses(in_.poses, &RangeEvent::corrected);
     TakeNoiseOfCovariances();
-    ForgetPaths();
     in_.truth.clear();
     in_.poses.clear();
     for (const auto& scan : in_.scans) AddLaser(scan.get());
@@ -69,6 +67,7 @@ class BagLog {
     for (const auto& camera : in_.cameras) AddTags(*camera);
     // Topics come one after the other; MakeRangeLog wants them in the order of time, as far as that goes.
     SortByTime(&ranges_.events);
+    MergeOdometry();
     if (!noise->heading_walk_rad_per_sqrt_m)
       noise->heading_walk_rad_per_sqrt_m = in_.noise.heading_walk_rad_per_sqrt_m;
     if (tags_ > 0 && !noise->range_m) noise->range_m = std::sqrt(tag_range_squares_ / tags_);
@@ -186,14 +185,34 @@ class BagLog {
     TurnByGyro(gyro, mount ? mount->transform : Transform(), &in_.odometry.poses, &report_);
   }
 
+  static RangeEvent EventOf(const PoseRow& row, const auto& which) {
+    RangeEvent event;
+    event.line = row.number;
+    event.stamp_s = row.time_s;
+    event.*which = row.pose;
+    return event;
+  }
   void AddPoses(const SpooledRows<PoseRow>& rows, const auto& which) {
-    for (const PoseRow& row : rows) {
-      RangeEvent event;
-      event.line = row.number;
-      event.stamp_s = row.time_s;
-      event.*which = row.pose;
-      ranges_.events.push_back(event);
+    for (const PoseRow& row : rows) ranges_.events.push_back(EventOf(row, which));
+  }
+
+  // Most events are odometry, which stands before others of its time.
+  void MergeOdometry() {
+    SpooledRows<PoseRow>& poses = in_.odometry.poses;
+    SortRows(&poses, [](const PoseRow& row) { return row.time_s; });
+    SpooledRows<RangeEvent> merged(in_.folder);
+    std::size_t next = 0;
+    const auto add_before = [&](const RangeEvent* event) {
+      for (; next < poses.size() && (event == nullptr || poses[next].time_s <= event->stamp_s); ++next)
+        merged.push_back(EventOf(poses[next], &RangeEvent::odometry));
+    };
+    for (const RangeEvent& event : ranges_.events) {
+      add_before(&event);
+      merged.push_back(event);
     }
+    add_before(nullptr);
+    ranges_.events = std::move(merged);
+    poses.clear();
   }
 
   // What a filter says of its heading grows with the way, where the filter knows nothing but odometry.

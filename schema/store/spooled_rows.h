@@ -92,7 +92,7 @@ class SpooledRows {
   void push_back(const T& row) {
     const T copy = row;  // it may be one of these
     if ((size_ + 1) * sizeof(T) > bytes_.capacity()) bytes_.Grow((size_ + 1) * sizeof(T), size_ * sizeof(T));
-    *At(size_) = copy;
+    *At(size_, true) = copy;
     ++size_;
   }
   void pop_back() { --size_; }
@@ -120,12 +120,13 @@ class SpooledRows {
 
  private:
   T* Rows() const { return reinterpret_cast<T*>(bytes_.data()); }
-  T* At(std::size_t i) const {
+  T* At(std::size_t i, bool to_write = false) const {
     const std::size_t block = i >> kMappedBlockShift<T>;
     if (!blocks_.IsAt(block))
       blocks_.Turn(block, sizeof(T) << kMappedBlockShift<T>,
                    bytes_.is_in_file() ? std::span<const std::byte>(bytes_.data(), bytes_.capacity())
-                                       : std::span<const std::byte>());
+                                       : std::span<const std::byte>(),
+                   to_write);
     return Rows() + i;
   }
 

@@ -80,7 +80,7 @@ double SpreadScans(std::size_t first, std::size_t end, double time_s, std::int64
   double scan_s = time_s;
   for (std::size_t i = first; i < end; ++i) {
     RangeEvent& event = (*events)[i];
-    event.stamp_s = time_s;
+    if (event.stamp_s != time_s) event.stamp_s = time_s;  // most are not written to
     if (!IsPosedScan(event)) {
       if (!scans) continue;
       event.odometry = std::nullopt;
@@ -91,7 +91,7 @@ double SpreadScans(std::size_t first, std::size_t end, double time_s, std::int64
                                             SamePose(before->corrected, event.corrected));
     if (!same) scan_s += kTick_s;
     *repeats += same ? 0 : 1;
-    event.stamp_s = scan_s;
+    if (event.stamp_s != scan_s) event.stamp_s = scan_s;
     before = &event;
   }
   return scan_s;
@@ -113,18 +113,26 @@ void TellTimesApart(ImportReport* report, Events* events) {
                                " scans repeat the time of the scan before: they count a microsecond later");
 }
 
-// The poses of `which`; of those at one time the last.
-Poses PosesOf(const RangeLog& log, const auto& which) {
-  Poses poses(log.events.folder());
-  poses.from.file = log.path;
-  poses.from.before_line = log.before_line;
+// All that there are; of those at one time the last.
+struct PosesOfLog {
+  Poses odometry, corrected, truth;
+};
+PosesOfLog PosesOf(const RangeLog& log) {
+  Poses none(log.events.folder());
+  none.from.file = log.path;
+  none.from.before_line = log.before_line;
+  PosesOfLog all{none, none, none};
+  const auto add = [](const RangeEvent& event, const std::optional<Pose>& pose, Poses* poses) {
+    if (!pose) return;
+    if (!poses->time_s.empty() && poses->time_s.back() == event.stamp_s) poses->RemoveLast();
+    poses->Add(event.stamp_s, pose->x_m, pose->y_m, pose->heading_rad, event.line);
+  };
   for (const RangeEvent& event : log.events) {
-    if (!(event.*which)) continue;
-    const Pose& pose = *(event.*which);
-    if (!poses.time_s.empty() && poses.time_s.back() == event.stamp_s) poses.RemoveLast();
-    poses.Add(event.stamp_s, pose.x_m, pose.y_m, pose.heading_rad, event.line);
+    add(event, event.odometry, &all.odometry);
+    add(event, event.corrected, &all.corrected);
+    add(event, event.truth, &all.truth);
   }
-  return poses;
+  return all;
 }
 
 void AddScan(double time_s, const Readings& scan, RangeRows* sensor) {
@@ -213,18 +221,18 @@ void AddSensed(RangeLog* log, double first_s, double last_s, NameIndex* known, I
 
 void AddRobot(RangeLog* ranges, BadLines* bad, NameIndex* names, ImportReport* report, RobotRows* robot) {
   Order(ranges, bad, report);
-  const Poses corrected = PosesOf(*ranges, &RangeEvent::corrected);
-  Poses odometry = PosesOf(*ranges, &RangeEvent::odometry);
-  if (odometry.time_s.empty()) odometry = corrected;
+  PosesOfLog poses = PosesOf(*ranges);
+  Poses& odometry = poses.odometry;
+  if (odometry.time_s.empty()) odometry = poses.corrected;
   if (odometry.time_s.empty())
     throw InputError(ranges->path + ": there is neither odometry nor a pose in it");
   const double first_s = odometry.time_s.front(), last_s = odometry.time_s.back();
-  robot->truth = PosesOf(*ranges, &RangeEvent::truth);
+  robot->truth = std::move(poses.truth);
   ranges->events.EraseIf(IsPoseAlone);  // most of them
   robot->name = ranges->robot;
   robot->odometry = ControlsOf(odometry);
   robot->odometry_poses = std::move(odometry);
-  robot->poses = corrected;
+  robot->poses = std::move(poses.corrected);
   AddSensed(ranges, first_s, last_s, names, report, robot);
   ranges->events.clear();
   ranges->things = {};
