@@ -130,7 +130,8 @@ void Array::TakeInPieces(const std::function<bool(std::span<const std::byte>)>& 
 }
 
 void Array::LetGo(std::span<const std::byte> bytes) const {
-  if (in_file_) LetGoOfMapped(bytes);
+  if (!in_file_ || bytes.empty()) return;
+  LetGoOfMapped(this->bytes(), static_cast<std::size_t>(bytes.data() - data_.get()), bytes.size());
 }
 
 Array Array::Texts(const std::vector<std::string>& texts) {

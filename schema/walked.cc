@@ -20,7 +20,12 @@ void Advise(std::span<const std::byte> bytes, int advice) {
 
 }  // namespace
 
-void LetGoOfMapped(std::span<const std::byte> bytes) { Advise(bytes, MADV_DONTNEED); }
+void LetGoOfMapped(std::span<const std::byte> all, std::size_t at, std::size_t count) {
+  // Who looks at a page gets those about it too, as many as the kernel keeps together: of what was let go.
+  constexpr std::size_t kTogether = std::size_t{1} << 21;
+  const std::size_t from = at - std::min(kTogether, at);
+  Advise(all.subspan(from, at - from + count), MADV_DONTNEED);
+}
 
 void MappedBlocks::Turn(std::size_t block, std::size_t block_bytes, std::span<const std::byte> bytes,
                         bool to_write) {
@@ -28,13 +33,11 @@ void MappedBlocks::Turn(std::size_t block, std::size_t block_bytes, std::span<co
   if (now_ == block) return;
   const std::size_t gone = std::exchange(now_, block);
   if (bytes.empty()) return;
-  const auto in_block = [&](std::size_t which) {
-    const std::size_t at = std::min(which * block_bytes, bytes.size());
-    return bytes.subspan(at, std::min(block_bytes, bytes.size() - at));
-  };
-  if (gone <= bytes.size() / block_bytes) LetGoOfMapped(in_block(gone));
+  const auto size_at = [&](std::size_t at) { return std::min(block_bytes, bytes.size() - at); };
+  if (gone < bytes.size() / block_bytes) LetGoOfMapped(bytes, gone * block_bytes, size_at(gone * block_bytes));
   // At once, which is cheaper than page by page; a kernel before 5.14 does not know how.
-  Advise(in_block(block), to_write ? MADV_POPULATE_WRITE : MADV_POPULATE_READ);
+  const std::size_t at = std::min(block * block_bytes, bytes.size());
+  Advise(bytes.subspan(at, size_at(at)), to_write ? MADV_POPULATE_WRITE : MADV_POPULATE_READ);
 }
 
 }  // namespace cairn

@@ -15,8 +15,9 @@
 
 namespace cairn {
 
-// Of a file that is mapped, shared: the bytes come back when they are looked at again.
-void LetGoOfMapped(std::span<const std::byte> bytes);
+// Of all bytes of a file that is mapped, shared, `count` from `at` on, which come back when they are looked at
+// again.
+void LetGoOfMapped(std::span<const std::byte> all, std::size_t at, std::size_t count);
 
 // Which two blocks of such a file were looked at last; of the others none is in memory.
 class MappedBlocks {

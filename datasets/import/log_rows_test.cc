@@ -29,9 +29,9 @@ TEST(VelocityIntegrator, HalfOfATurnComesBeforeTheWayAndHalfAfter) {
   integrator.Add(10.5, 0, 1, &odometry);
   integrator.Add(11.5, 3, 0, &odometry);
   integrator.Add(13.5, 9, 9, &odometry);
-  EXPECT_EQ(odometry.time_s, (std::vector<double>{10, 10.5, 10.5, 11.5, 13.5}));
-  EXPECT_EQ(odometry.turn_rad, (std::vector<double>{0, 0.125, 0.125, 1, 0}));
-  EXPECT_EQ(odometry.forward_m, (std::vector<double>{0, 1, 0, 0, 6}));
+  EXPECT_EQ(odometry.time_s.vector(), (std::vector<double>{10, 10.5, 10.5, 11.5, 13.5}));
+  EXPECT_EQ(odometry.turn_rad.vector(), (std::vector<double>{0, 0.125, 0.125, 1, 0}));
+  EXPECT_EQ(odometry.forward_m.vector(), (std::vector<double>{0, 1, 0, 0, 6}));
   EXPECT_EQ(integrator.largest_gap_s(), 2);
 }
 
@@ -57,7 +57,7 @@ TEST(VelocityIntegrator, RepeatedTimesAddNothing) {
   integrator.Add(2, 7, 0, &odometry);
   integrator.Add(2, 1, 0, &odometry);
   integrator.Add(3, 0, 0, &odometry);
-  EXPECT_EQ(odometry.forward_m, (std::vector<double>{0, 1, 1}));
+  EXPECT_EQ(odometry.forward_m.vector(), (std::vector<double>{0, 1, 1}));
 }
 
 TEST(NormalizedAngle, KeepsWhatLiesWithinAndWrapsTheRest) {

@@ -25,7 +25,7 @@ TEST(ControlsOf, AnArcIsHalfATurnAWayAndHalfATurn) {
   const double half = 0.1, chord = 2 * 5 * std::sin(half);
   const Odometry odometry =
       ControlsOf({{1, {0, 0, 0}}, {2, {chord * std::cos(half), chord * std::sin(half), 2 * half}}});
-  EXPECT_EQ(odometry.time_s, (std::vector<double>{1, 2, 2}));
+  EXPECT_EQ(odometry.time_s.vector(), (std::vector<double>{1, 2, 2}));
   EXPECT_NEAR(odometry.turn_rad[1], half, 1e-12);
   EXPECT_NEAR(odometry.forward_m[1], chord, 1e-12);
   EXPECT_NEAR(odometry.turn_rad[2], half, 1e-12);
@@ -70,9 +70,9 @@ TEST(ControlsOf, ReckoningStaysByThePosesHoweverJittery) {
 TEST(ControlsOf, AHaltHasItsEndOnly) {
   const Pose here{1, 1, 0};
   const Odometry odometry = ControlsOf({{0, here}, {1, here}, {2, here}, {3, {2, 1, 0}}, {4, {2, 1, 0}}});
-  EXPECT_EQ(odometry.time_s, (std::vector<double>{0, 2, 3, 4}));
-  EXPECT_EQ(odometry.forward_m, (std::vector<double>{0, 0, 1, 0}));
-  EXPECT_TRUE(ControlsOf({}).time_s.empty());
+  EXPECT_EQ(odometry.time_s.vector(), (std::vector<double>{0, 2, 3, 4}));
+  EXPECT_EQ(odometry.forward_m.vector(), (std::vector<double>{0, 0, 1, 0}));
+  EXPECT_TRUE(ControlsOf(std::vector<TimedPose>()).time_s.empty());
 }
 
 }  // namespace

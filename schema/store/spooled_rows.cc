@@ -94,7 +94,7 @@ Array SpooledBytes::Take(DType type, std::size_t item_bytes, std::size_t used) {
   }
   const bool is_file = is_in_file();
   if (is_file) {
-    LetGoOfMapped({data_, capacity_});
+    LetGoOfMapped({data_, capacity_}, 0, capacity_);
     ::close(std::exchange(fd_, -1));
   }
   const std::size_t size = std::exchange(capacity_, 0);
