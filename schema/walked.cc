@@ -34,7 +34,8 @@ void MappedBlocks::Turn(std::size_t block, std::size_t block_bytes, std::span<co
   const std::size_t gone = std::exchange(now_, block);
   if (bytes.empty()) return;
   const auto size_at = [&](std::size_t at) { return std::min(block_bytes, bytes.size() - at); };
-  if (gone < bytes.size() / block_bytes) LetGoOfMapped(bytes, gone * block_bytes, size_at(gone * block_bytes));
+  if (gone < bytes.size() / block_bytes)
+    LetGoOfMapped(bytes, gone * block_bytes, size_at(gone * block_bytes));
   // At once, which is cheaper than page by page; a kernel before 5.14 does not know how.
   const std::size_t at = std::min(block * block_bytes, bytes.size());
   Advise(bytes.subspan(at, size_at(at)), to_write ? MADV_POPULATE_WRITE : MADV_POPULATE_READ);

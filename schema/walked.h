@@ -1,5 +1,5 @@
-// Values that may lie in a mapped file, larger than the memory: of what is walked over no more stays in memory
-// than was looked at last.
+// Values that may lie in a mapped file, larger than the memory: of what is walked over no more stays in
+// memory than was looked at last.
 #pragma once
 
 #include <bit>
@@ -15,8 +15,8 @@
 
 namespace cairn {
 
-// Of all bytes of a file that is mapped, shared, `count` from `at` on, which come back when they are looked at
-// again.
+// Of all bytes of a file that is mapped, shared, `count` from `at` on, which come back when they are looked
+// at again.
 void LetGoOfMapped(std::span<const std::byte> all, std::size_t at, std::size_t count);
 
 // Which two blocks of such a file were looked at last; of the others none is in memory.

@@ -394,8 +394,7 @@ class BagLog {
       RangeEvent event;
       event.line = seen.tag.number;
       event.stamp_s = seen.tag.time_s;
-      event.landmark =
-          ranges_.things.Keep(LandmarkSeen{seen.tag.name, range_m, std::atan2(at.y, at.x)});
+      event.landmark = ranges_.things.Keep(LandmarkSeen{seen.tag.name, range_m, std::atan2(at.y, at.x)});
       ranges_.events.push_back(event);
     }
   }

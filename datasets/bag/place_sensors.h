@@ -24,8 +24,8 @@ struct OtherOdometry {
 };
 
 struct Gathered {
-  std::string robot;  // its namespace; empty: it has none
-  std::string path;   // for messages
+  std::string robot;             // its namespace; empty: it has none
+  std::string path;              // for messages
   std::filesystem::path folder;  // for what is read of it (KeepIn)
   NoiseParameters noise;
   std::string odometry_topic;          // "tf": that of a frame which moves on "odom"

@@ -87,8 +87,8 @@ std::optional<UnitDoubt> DoubtTimes(const Walked<double>& time_s) {
 // `turn` and `distance`: what a row adds; a distance is at least 0. `turns` and `distances`: what they come
 // of, for the question.
 template <class Turn, class Distance>
-std::optional<UnitDoubt> DoubtMoves(const Walked<double>& time_s, const Turn& turn,
-                                    const Distance& distance, const char* turns, const char* distances) {
+std::optional<UnitDoubt> DoubtMoves(const Walked<double>& time_s, const Turn& turn, const Distance& distance,
+                                    const char* turns, const char* distances) {
   if (auto doubt = DoubtTimes(time_s)) return doubt;
   double moving_s = 0, going_s = 0, travelled_m = 0;
   for (std::size_t i = 1; i < time_s.size(); ++i) {

@@ -100,8 +100,8 @@ class TruthDoubts {
   }
 
   // `room`: how many times the reach is allowed.
-  void Doubt(const std::string& what, const Walked<double>& x_m, const Walked<double>& y_m,
-             double reach_m, double room, const std::string& reached) {
+  void Doubt(const std::string& what, const Walked<double>& x_m, const Walked<double>& y_m, double reach_m,
+             double room, const std::string& reached) {
     constexpr double kLeastReach_m = 1, kAsMillimetres = 200;
     const double extent_m = ExtentM(x_m, y_m);
     // A robot that stands still has no way to tell of.

@@ -20,7 +20,8 @@ constexpr std::align_val_t kSpooledAlignment{64};
 // So that writing to the mapping finds the room. Returns errno, or 0.
 int TakeRoomFor(int fd, std::size_t from, std::size_t to) {
   int error = EINTR;
-  while (error == EINTR) error = ::posix_fallocate(fd, static_cast<off_t>(from), static_cast<off_t>(to - from));
+  while (error == EINTR)
+    error = ::posix_fallocate(fd, static_cast<off_t>(from), static_cast<off_t>(to - from));
   return error;
 }
 

@@ -1,6 +1,6 @@
 // Rows as they come, of which there may be more than the memory holds: where a folder is named they lie, but
-// for few, in a file without a name there. They are read and written like a vector's, and most of them are not
-// in memory as long as they are gone through in their order (schema/walked.h).
+// for few, in a file without a name there. They are read and written like a vector's, and most of them are
+// not in memory as long as they are gone through in their order (schema/walked.h).
 #pragma once
 
 #include <algorithm>

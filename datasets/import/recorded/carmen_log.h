@@ -33,7 +33,7 @@ struct CarmenLog {
   std::vector<CarmenSource> sources;
   std::vector<CarmenEvent> events;
   RangeThings things;  // of the events
-  CarmenSonar sonar;  // the first scan's: cone and offsets; none: no offsets
+  CarmenSonar sonar;   // the first scan's: cone and offsets; none: no offsets
   std::map<std::string, std::string, std::less<>> params;
   bool mended = false;  // it has lines of a program that mends poses
 

@@ -32,8 +32,13 @@ class DpSlamLines {
     if (beams != first)
       throw LineError{"other beams than the sensor's first scan",
                       std::to_string(beams) + " instead of " + std::to_string(first)};
-    log_->events.push_back(
-        {number, 0, pose_, {}, {}, 0, log_->things.Keep(Readings{line.Ranges(2, beams, kMostDpslamRange_m)})});
+    log_->events.push_back({number,
+                            0,
+                            pose_,
+                            {},
+                            {},
+                            0,
+                            log_->things.Keep(Readings{line.Ranges(2, beams, kMostDpslamRange_m)})});
     pose_.reset();
   }
 

@@ -109,13 +109,14 @@ ImportReport ImportPioneer(const RangeImportOptions& options, Blob* log) {
     }
     const Pose at{pose->values[0], pose->values[1], WrapAngle(pose->values[2])};
     for (std::uint32_t sensor = 0; sensor < 2; ++sensor)
-      ranges_log.events.push_back({pose->line,
-                                   pose->time_s,
-                                   at,
-                                   {},
-                                   {},
-                                   sensor,
-                                   ranges_log.things.Keep(Readings{sensor == 0 ? sonar->values : laser->values})});
+      ranges_log.events.push_back(
+          {pose->line,
+           pose->time_s,
+           at,
+           {},
+           {},
+           sensor,
+           ranges_log.things.Keep(Readings{sensor == 0 ? sonar->values : laser->values})});
   }
   return MakeRangeLog(std::move(ranges_log), options.noise, &bad, std::move(report), log);
 }

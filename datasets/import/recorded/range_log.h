@@ -36,10 +36,10 @@ struct RangeEvent {
   std::optional<Pose> odometry;   // where the robot was, as its odometry says
   std::optional<Pose> corrected;  // where it was, as the log's maker found out
   std::optional<Pose> truth;
-  std::optional<std::uint32_t> sensor;        // of a scan: index into RangeLog::sensors
-  Readings* scan = nullptr;                   // or:
-  std::optional<std::uint32_t> row = {};      // of its sensor's `scans`
-  const std::string* mark = nullptr;          // what a person said of the place: a contact detection
+  std::optional<std::uint32_t> sensor;    // of a scan: index into RangeLog::sensors
+  Readings* scan = nullptr;               // or:
+  std::optional<std::uint32_t> row = {};  // of its sensor's `scans`
+  const std::string* mark = nullptr;      // what a person said of the place: a contact detection
   const LandmarkSeen* landmark = nullptr;
 };
 
@@ -64,9 +64,9 @@ class RangeThings {
 
 struct RangeLog {
   std::string path, robot = "robot";
-  std::vector<RangeRows> sensors;   // their geometry; scans are filled in
-  SpooledRows<RangeEvent> events;   // in the order of lines; what is made of them lies in their folder
-  RangeThings things;               // of the events
+  std::vector<RangeRows> sensors;  // their geometry; scans are filled in
+  SpooledRows<RangeEvent> events;  // in the order of lines; what is made of them lies in their folder
+  RangeThings things;              // of the events
   bool numbered = false;           // do not use the time stamps
   bool marks_are_names = false;    // marks of the same text are of one landmark
   std::string before_line = ":";   // what stands before a line's number in messages
