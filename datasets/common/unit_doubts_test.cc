@@ -279,7 +279,8 @@ TEST(UnitDoubts, BearingsInRadiansUnderAHeaderThatSaysDegreesAreInDoubt) {
   radians.back() = 0.06;
   EXPECT_FALSE(DoubtObservations(time, range, radians, true)) << "one is more than a half turn would be";
   radians.resize(10);
-  EXPECT_FALSE(DoubtObservations(std::span(time).first(10), std::span(range).first(10), radians, true));
+  EXPECT_FALSE(DoubtObservations(std::span<const double>(time).first(10),
+                                 std::span<const double>(range).first(10), radians, true));
 }
 
 TEST(UnitDoubts, ObservationsThatAllComeInTheFirstMomentAreInDoubt) {
@@ -294,7 +295,7 @@ TEST(UnitDoubts, ObservationsThatAllComeInTheFirstMomentAreInDoubt) {
   EXPECT_EQ(doubt->row, 29U);
   ExpectContains(doubt->text, "within the first 0.58 s of 600 s of odometry");
   EXPECT_FALSE(DoubtClock(odometry, early));
-  EXPECT_FALSE(DoubtClock(odometry, std::span(seconds_as_ms).first(10)));
+  EXPECT_FALSE(DoubtClock(odometry, std::span<const double>(seconds_as_ms).first(10)));
   EXPECT_FALSE(DoubtClock({}, seconds_as_ms));
 }
 
