@@ -319,7 +319,11 @@ std::optional<double> CsvReader::Number(std::size_t index) {
   }
   const double in_unit = *value / per_unit_[index];
   constexpr double kMostTime_s = 1e19, kMost = 1e9;  // in metres, radians, and these a second
-  if (std::abs(in_unit) > (columns_[index].starts_with("time_") ? kMostTime_s : kMost)) {
+  const std::string& column = columns_[index];
+  const auto ends = [&column](const char* unit) { return column.ends_with(unit); };
+  const bool is_motion = ends("_m") || ends("_rad") || ends("_mps") || ends("_radps");
+  if ((column.starts_with("time_") && std::abs(in_unit) > kMostTime_s) ||
+      (is_motion && std::abs(in_unit) > kMost)) {
     Bad("a number that no robot comes to", columns_[index] + " is '" + std::string(Text(index)) + "'");
     return std::nullopt;
   }
