@@ -147,6 +147,8 @@ Built Build(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
   }
   if (!settings.gauge_free) built.em.nodes[0][0].setZero();
   built.problem.landmarks = static_cast<int>(landmarks.size());
+  built.problem.named = std::ranges::all_of(
+      landmarks, [&](const Landmark& landmark) { return landmark.type < settings.map.types; });
   for (const Landmark& landmark : landmarks) built.em.landmarks.emplace_back(landmark.x_m, landmark.y_m);
   built.problem.noise = built.expected.sightings = settings.observation_noise;
   // Of turns narrow, but with the same heavy tails: over a few bends a scale of turns is hard to tell from a

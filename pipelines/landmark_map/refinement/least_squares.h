@@ -54,7 +54,8 @@ struct LeastSquaresProblem {
   std::vector<NodeTrack> robots;
   std::vector<Sighting> sightings;  // of one robot in the order of nodes
   int landmarks = 0;
-  std::vector<EdgeWidths> widths;                   // [robots]
+  bool named = false;              // all of them, so that it is certain which a sighting is of
+  std::vector<EdgeWidths> widths;  // [robots]
   Eigen::Vector3d loose = Eigen::Vector3d::Zero();  // variances of each motion besides: m^2, m^2, rad^2
   ObservationNoise noise;
   SightingRepeats repeats;

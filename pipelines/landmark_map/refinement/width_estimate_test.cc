@@ -127,6 +127,7 @@ TEST(SettleWidths, ComeDownFromFarAbove) {
   std::vector<LeastSquaresProblem> settled;
   for (const double wide : {1.0, 5.0}) {
     LeastSquaresProblem& problem = settled.emplace_back(world.problem);
+    problem.named = true;
     problem.widths[0].walk_rad_per_sqrt_m *= wide;
     problem.widths[0].turn_rad_per_sqrt_rad *= wide;
     LeastSquaresEnd end = Descend(problem, world.truth);
