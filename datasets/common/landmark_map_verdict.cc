@@ -13,6 +13,7 @@
 #include "datasets/common/landmarks_on_one_side.h"
 #include "datasets/common/landmarks_seen_once.h"
 #include "datasets/common/moved_landmarks.h"
+#include "datasets/common/width_doubts.h"
 #include "schema/kinds/landmark_map.h"
 #include "schema/text.h"
 
@@ -125,23 +126,6 @@ Verdict::Doubt OfMisfits(const kinds::LandmarkMap& map) {
                   ? ""
                   : "; most of them are of landmark '" + moves +
                         "': does it move, or one that is seen with it? Leave its rows out and look again")};
-}
-
-// Widths estimated from the residuals that are far from what was stated of a sensor. Where nothing names the
-// landmarks the map may explain each of them by a landmark of its own.
-Verdict::Doubt OfWidths(const kinds::LandmarkMap& map) {
-  const kinds::LandmarkMap::Fit& fit = map.fit;
-  constexpr double kSaid = 1.5, kWider = 2, kMuchWider = 3;  // a data sheet errs by half, it is no worse map
-  double wider = 0;
-  for (std::size_t k = 0; k < fit.kind.OrNone().size(); ++k)
-    if ((fit.kind[k] == "range" || fit.kind[k] == "bearing") && fit.stated[k] > 0)
-      wider = std::max(wider, fit.found[k] / fit.stated[k]);
-  if (wider <= kSaid) return {Confidence::kHigh};
-  return {AtMost(wider, kWider, kMuchWider),
-          fmt::format("ranges or bearings err by {:.1f} times what is stated, or was expected{}", wider,
-                      !LandmarkThatMoves(map).empty() ? ""
-                      : wider > kMuchWider            ? ": is the sensor's mount right?"
-                                                      : ": is the sensor less exact?")};
 }
 
 Verdict::Doubt OfRun(const kinds::LandmarkMap::Fit& fit) {
@@ -337,14 +321,6 @@ Verdict::Doubt WhereStartsDisagree(const kinds::LandmarkMap& map, Verdict::Doubt
   return {Confidence::kLow, doubt.text + "; most starts led to another map"};
 }
 
-// Where landmarks have no names and a sensor errs more than it should, what it says of many of them that they
-// are none may be the right ones.
-Verdict::Doubt WhereMuchIsLeftOut(bool all_named, double explained_share, Verdict::Doubt doubt) {
-  constexpr double kMost = 0.2;
-  if (doubt.text.empty() || all_named || 1 - explained_share <= kMost) return doubt;
-  return {Confidence::kLow, doubt.text + "; more than a fifth of the observations was left out"};
-}
-
 // Where landmarks have no names: false observations, which may make landmarks where they fall together.
 Verdict::Doubt OfFalse(bool all_named, double explained_share) {
   constexpr double kMost = 0.02;
@@ -378,12 +354,13 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, const SeenO
   verdict->Add(OfSeenOnce(seen, true));
   for (const Verdict::Doubt& doubt :
        {OfMisfits(map), OfFalse(all_named, explained_share),
-        WhereMuchIsLeftOut(all_named, explained_share, WhereStartsDisagree(map, OfWidths(map))),
-        WhereStartsDisagree(map, OfRun(fit)), WhereStartsDisagree(map, OfJumps(map)), OfHalves(fit),
-        OfLandmarksOnOneSide(map, verdict), OfFewInCommon(map, verdict), OfHoles(map, verdict),
-        OfPlaces(map, verdict), OfPattern(map, verdict), OfOneSided(map, verdict),
-        OfUncertainty(map, verdict), OfDistances(map, verdict), OfTurns(map, verdict), OfClocks(map, verdict),
-        OfMounts(map, verdict), OfRangeOffsets(map, verdict)}) {
+        WhereStartsDisagree(map, OfWidths(fit, !LandmarkThatMoves(map).empty())),
+        OfMuchLeftOut(fit, all_named, explained_share), WhereStartsDisagree(map, OfRun(fit)),
+        WhereStartsDisagree(map, OfJumps(map)), OfHalves(fit), OfLandmarksOnOneSide(map, verdict),
+        OfFewInCommon(map, verdict), OfHoles(map, verdict), OfPlaces(map, verdict), OfPattern(map, verdict),
+        OfOneSided(map, verdict), OfUncertainty(map, verdict), OfDistances(map, verdict),
+        OfTurns(map, verdict), OfClocks(map, verdict), OfMounts(map, verdict),
+        OfRangeOffsets(map, verdict)}) {
     verdict->Add(doubt);
   }
 }

@@ -521,7 +521,7 @@ TEST(LandmarkMapVerdict, OneLandmarkThatMostMisfitsAreOfIsNamed) {
             "low: 180 observations fit the map; 20 of 200 observations do not fit the map, the worst is 4.0 "
             "standard deviations off, at 7.0 s; most of them are of landmark 'rosa': does it move, or one "
             "that is seen with it? Leave its rows out and look again; ranges or bearings err by 16.4 times "
-            "what is stated, or was expected");
+            "what is stated");
   for (const std::string& text : {moving(20, 10, 30), moving(4, 4, 30), moving(20, 20, 100),
                                   moving(20, 11, 30, -1), TextOf(FittedMap(200, 20, 2, 0, 4, 1.64))}) {
     EXPECT_EQ(text.find("does it move"), std::string::npos) << text;

@@ -14,8 +14,8 @@ Verdict::Doubt OfLandmarksOnOneSide(const kinds::LandmarkMap& map, Verdict* verd
 
 // Low where at some moment, but for the first and the last tenth of its observations, no more than half of
 // the landmarks that a robot had seen before, or, where they are fewer, that it saw after, were seen on both
-// sides; what another robot saw of both sides ties them, too. Whoever drives to and fro among his landmarks
-// sees most of them again. Not where all have names.
+// sides (schema/kinds/few_in_common.h), unless these tie both sides (`fit/few_common_lead_nats`). Whoever
+// drives to and fro among his landmarks sees most of them again. Not where all have names.
 Verdict::Doubt OfFewInCommon(const kinds::LandmarkMap& map, Verdict* verdict);
 
 }  // namespace cairn::datasets

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,7 +49,8 @@ TEST(LandmarksOnOneSide, AreALowMapWhereTheyAreThreeAndMoreThanTwiceTheOthers) {
 
 // A robot that sees one landmark after the other: 20 times each of `before`, then of `after`.
 Verdict WhereSeen(const std::vector<std::int32_t>& before, const std::vector<std::int32_t>& after,
-                  std::int32_t identity = -1, const std::vector<std::int32_t>& other = {}) {
+                  std::int32_t identity = -1, const std::vector<std::int32_t>& other = {},
+                  std::optional<double> lead_nats = {}) {
   kinds::LandmarkMap map;
   map.robots = std::vector<std::string>{"robot", "other"};
   map.robot.resize(2);
@@ -64,6 +66,7 @@ Verdict WhereSeen(const std::vector<std::int32_t>& before, const std::vector<std
   map.fit.longest_run = 0;
   map.robot[0].map_landmark = seen;
   map.robot[1].map_landmark = other;
+  if (lead_nats) map.fit.few_common_lead_nats = *lead_nats;
   return LandmarkMapVerdict(BlobOf(map));
 }
 
@@ -83,6 +86,14 @@ TEST(FewInCommon, AreALowMapWhereNoMoreThanHalfOfThemAreSeenOnBothSides) {
 TEST(FewInCommon, CountWhatAnotherRobotSawOfBothSides) {
   EXPECT_EQ(WhereSeen({0, 1, 2, 3}, {2, 3, 4, 5}, -1, {0, 1, 4}).trust, Confidence::kLow) << "one beyond";
   EXPECT_EQ(WhereSeen({0, 1, 2, 3}, {2, 3, 4, 5}, -1, {0, 1, 2, 3, 4, 5}).trust, Confidence::kHigh);
+}
+
+// A robot that went on: it never looks back, yet what it sees then lies in one way alone to what it saw.
+TEST(FewInCommon, AreNoDoubtWhereTheyTieBothSides) {
+  const auto tied = [](double lead_nats) { return WhereSeen({0, 1, 2, 3}, {2, 3, 4, 5}, -1, {}, lead_nats); };
+  EXPECT_EQ(tied(9.9).trust, Confidence::kLow);
+  EXPECT_EQ(tied(10).trust, Confidence::kHigh);
+  EXPECT_EQ(tied(10).why.find("on the other side"), std::string::npos) << tied(10).why;
 }
 
 TEST(LandmarksOnOneSide, AreNoSignWhereSomeHaveNames) {

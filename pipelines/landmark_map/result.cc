@@ -280,6 +280,18 @@ void JudgePasses(const Settings& settings, const Column<double>& false_ratio,
   result->PutVector("map/landmark_passes", passes);
 }
 
+// And what the log states of what it is held against.
+void PutFit(const kinds::Log& log, const Blob& fit, Blob* result) {
+  result->PutAll("fit/", fit);
+  std::vector<std::uint8_t> told;
+  for (const std::string& kind : fit.Texts("kind"))
+    told.push_back(kind == "range"     ? bool(log.noise.range_m)
+                   : kind == "bearing" ? bool(log.noise.bearing_rad)
+                                       : bool(log.noise.contact_m));
+  result->PutVector("fit/told", told);
+  if (log.noise.false_ratio) result->PutScalar<double>("fit/false_ratio", log.noise.false_ratio.Scalar());
+}
+
 // Of the last M-step's counts; where there was none, the given map.
 LayeredGrid FinalMap(const Blob& log, const Settings& settings, const Inputs& inputs,
                      const LayeredGrid& counts) {
@@ -375,8 +387,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   result.Put("refinement/reason", Array::Text(map.not_refined));
   if (const auto doubts = ConstantObservationsOf(blob); !doubts.empty())
     result.Put("observation_doubts", Array::Texts(doubts));
-  if (!refined.paths.empty())
-    result.PutAll("fit/", refined.fit.ToBlob(refined.landmarks, settings.map.types));
+  if (!refined.paths.empty()) PutFit(log, refined.fit.ToBlob(refined.landmarks, settings.map.types), &result);
   if (map.shift) {
     result.PutScalar<double>("fit/shift_m", map.shift->by_m);
     result.PutScalar<double>("fit/shift_from_s", map.shift->from_s);

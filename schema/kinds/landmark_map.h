@@ -138,15 +138,16 @@ struct LandmarkMap {
     Texts kind;
     Column<double> stated, found, longest_run_from_s, worst_time_s, worst_sigmas, worst_odometry_s,
         odometry_break_lead_nats, fewest_common_s, one_sided_s, most_one_sided_s, shift_m, shift_from_s,
-        shift_until_s, shift_lead_nats;
+        shift_until_s, shift_lead_nats, few_common_lead_nats, false_ratio;
     Column<std::int64_t> observations, misfits, longest_run, odometry_misfits, fewest_common, one_sided,
         two_sided, most_one_sided;
     Column<std::int32_t> worst_robot;
     Column<std::int32_t> misfit_landmark;
     Column<std::int64_t> landmark_misfits, landmark_observations;
-    Column<std::uint8_t> shift_taken;
+    Column<std::uint8_t> shift_taken, told;
     static void Fields(const auto& field) {
       field({"kind", "F"}, &Fit::kind);
+      field({"told", "F", YesNo()}, &Fit::told);
       field({"stated", "F", NotNegative()}, &Fit::stated);
       field({"found", "F", NotNegative()}, &Fit::found);
       field({"observations", "", From(0)}, &Fit::observations);
@@ -158,6 +159,8 @@ struct LandmarkMap {
       field({"odometry_break_lead_nats", "", Finite()}, &Fit::odometry_break_lead_nats);
       field({"fewest_common", "", From(0)}, &Fit::fewest_common);
       field({"fewest_common_s", "", Finite()}, &Fit::fewest_common_s);
+      field({"few_common_lead_nats", "", Finite()}, &Fit::few_common_lead_nats);
+      field({"false_ratio", "", Share()}, &Fit::false_ratio);
       field({"one_sided", "", From(0)}, &Fit::one_sided);
       field({"two_sided", "", From(0)}, &Fit::two_sided);
       field({"one_sided_s", "", Finite()}, &Fit::one_sided_s);

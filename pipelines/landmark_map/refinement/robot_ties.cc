@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <span>
 #include <string>
 
+#include "schema/kinds/few_in_common.h"
 #include "schema/kinds/landmark_map.h"
 
 namespace cairn::landmark_map {
@@ -148,6 +150,19 @@ void PutTiesOfRobots(const std::vector<Tie>& ties, Blob* result) {
   }
 }
 
+// Where the halves of a path have few landmarks in common these may tie them all the same.
+void PutTieOfFewest(const kinds::Log& log, const Rows& placed, const std::vector<RowAssociations>& rows,
+                    const std::vector<bool>& named, double sigma_m, Blob* result) {
+  std::vector<std::span<const std::int32_t>> landmarks;
+  for (const RowAssociations& of : rows) landmarks.emplace_back(of.landmark);
+  const FewInCommon least = FindFewestInCommon(landmarks);
+  if (!least.AreFew() || std::ranges::all_of(named, std::identity())) return;
+  const double time_s = log.robot[least.robot].observations.time_s[least.number - 1];
+  const Tie tie = TieAcross(time_s, placed[least.robot], named, sigma_m);
+  if (tie.lead_nats && std::isfinite(*tie.lead_nats))
+    result->PutScalar<double>("fit/few_common_lead_nats", *tie.lead_nats);
+}
+
 Robots Without(const Robots& robots, std::size_t robot) {
   Robots others = robots;
   std::erase(others, robot);
@@ -233,10 +248,9 @@ std::optional<std::vector<Landmark>> PlacedAnew(const Rows& rows, const std::vec
   return best;
 }
 
-Tie TieAcross(const OdometryHole& hole, const std::vector<PlacedRow>& rows, const std::vector<bool>& named,
+Tie TieAcross(double time_s, const std::vector<PlacedRow>& rows, const std::vector<bool>& named,
               double sigma_m) {
-  const double middle_s = hole.begin_s + 0.5 * hole.length_s;
-  const auto after = std::ranges::find_if(rows, [&](const PlacedRow& row) { return row.time_s > middle_s; });
+  const auto after = std::ranges::find_if(rows, [&](const PlacedRow& row) { return row.time_s > time_s; });
   return TieOf(SubmapOf({std::span(rows.begin(), after)}), SubmapOf({std::span(after, rows.end())}), named,
                sigma_m);
 }
@@ -254,6 +268,7 @@ void PutTies(const Blob& blob, const JointRefinement& refined, const std::vector
   const double sigma_m = TieSigma_m(placed, refined.fit);
   if (!(sigma_m > 0)) return;  // contact detections alone
   PutTiesOfRobots(TiesOfRobots(placed, named, sigma_m), result);
+  PutTieOfFewest(log, placed, rows, named, sigma_m, result);
   kinds::LandmarkMap::Holes holes;
   std::vector<OdometryHole> found = FindOdometryHoles(blob);
   std::erase_if(found, [&](const OdometryHole& hole) {
@@ -263,7 +278,8 @@ void PutTies(const Blob& blob, const JointRefinement& refined, const std::vector
   std::vector<std::int64_t> shared;
   std::vector<double> lead_nats;
   for (const OdometryHole& hole : found) {
-    const Tie tie = TieAcross(hole, placed[static_cast<std::size_t>(hole.robot)], named, sigma_m);
+    const Tie tie = TieAcross(hole.begin_s + 0.5 * hole.length_s,
+                              placed[static_cast<std::size_t>(hole.robot)], named, sigma_m);
     shared.push_back(tie.shared);
     lead_nats.push_back(tie.lead_nats.value_or(std::numeric_limits<double>::quiet_NaN()));
   }

@@ -45,12 +45,12 @@ std::optional<std::vector<Landmark>> PlacedAnew(const std::vector<std::vector<Pl
                                                 const std::vector<Landmark>& landmarks, int names,
                                                 double sigma_m);
 
-// Of what a robot saw before a hole to what it saw after.
-Tie TieAcross(const OdometryHole& hole, const std::vector<PlacedRow>& rows, const std::vector<bool>& named,
+// Of what a robot saw up to a time to what it saw after.
+Tie TieAcross(double time_s, const std::vector<PlacedRow>& rows, const std::vector<bool>& named,
               double sigma_m);
 
 // As schema/FORMAT.md has them: `robot/N/shared_landmarks` and what belongs to it, and `holes/` where the
-// odometry lacks some way, the latter only of landmarks seen at a distance.
+// odometry lacks some way, the latter only of landmarks seen at a distance, as is `fit/few_common_lead_nats`.
 void PutTies(const Blob& log, const JointRefinement& refined, const std::vector<RowAssociations>& rows,
              const std::vector<Landmark>& landmarks, const Settings& settings, Blob* result);
 

@@ -134,8 +134,10 @@ void AddSensorNoise(Command command, datasets::NoiseParameters& noise) {
                  "sd of the distance between robot and landmark at a contact detection, an axis");
   AddNoiseOption(command, "--range-m", noise.range_m, "sd of a range");
   AddNoiseOption(command, "--bearing-rad", noise.bearing_rad, "sd of a bearing");
-  AddNoiseOption(command, "--false-ratio", noise.false_ratio,
-                 "share of the observations that are of nothing, 0 to 1 (0.02: one in fifty)");
+  AddNoiseOption(
+      command, "--false-ratio", noise.false_ratio,
+      "share of the observations that are of nothing, 0 to 1 (0.02: one in fifty); what is seen at a "
+      "distance is told by where it falls, whatever this says, which the verdict holds against it");
   AddNoiseOption(command, "--miss-ratio", noise.miss_ratio,
                  "share of the landmarks that are passed, or in view, and not observed, 0 to 1");
   AddNoiseOption(command, "--max-range-m", noise.max_range_m,

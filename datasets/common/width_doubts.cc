@@ -1,0 +1,60 @@
+#include "datasets/common/width_doubts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace cairn::datasets {
+namespace {
+
+// How many times as large as the log states, or as was expected, errors of ranges or bearings are, and
+// whether it states them: of those that err by more than half, or by more than the other figure where nothing
+// is stated. Of files that do not say so all counts as stated.
+std::pair<double, bool> WidestError(const kinds::LandmarkMap::Fit& fit, double more_than_expected) {
+  constexpr double kMoreThanStated = 1.5;  // a data sheet errs by half
+  std::pair<double, bool> widest{0, true};
+  for (std::size_t k = 0; k < fit.kind.OrNone().size(); ++k) {
+    if ((fit.kind[k] != "range" && fit.kind[k] != "bearing") || !(fit.stated[k] > 0)) continue;
+    const bool told = fit.told.OrNone().empty() || fit.told[k] != 0;
+    const double wider = fit.found[k] / fit.stated[k];
+    if (wider > (told ? kMoreThanStated : more_than_expected))
+      widest = std::max(widest, std::pair(wider, told));
+  }
+  return widest;
+}
+
+// Whether what was left out is what the log says is false. Where less was left out false observations are in
+// the map.
+bool IsAsStated(const kinds::LandmarkMap::Fit& fit, double left_out) {
+  constexpr double kFewer = 0.03, kMore = 0.1;
+  return fit.false_ratio && left_out >= fit.false_ratio.Scalar() - kFewer &&
+         left_out <= fit.false_ratio.Scalar() + kMore;
+}
+
+}  // namespace
+
+Verdict::Doubt OfWidths(const kinds::LandmarkMap::Fit& fit, bool one_moves) {
+  constexpr double kWider = 2, kMuchWider = 3;
+  const auto [wider, told] = WidestError(fit, kWider);
+  if (wider == 0) return {Confidence::kHigh};
+  return {AtMost(wider, kWider, kMuchWider),
+          fmt::format("ranges or bearings err by {:.1f} times what {}{}", wider,
+                      told ? "is stated" : "was expected, as nothing is stated of them",
+                      one_moves            ? ""
+                      : wider > kMuchWider ? ": is the sensor's mount right?"
+                                           : ": is the sensor less exact?")};
+}
+
+Verdict::Doubt OfMuchLeftOut(const kinds::LandmarkMap::Fit& fit, bool all_named, double explained_share) {
+  constexpr double kMost = 0.2, kWider = 1.5;
+  const double left_out = 1 - explained_share, wider = WidestError(fit, kWider).first;
+  if (wider == 0 || all_named || left_out <= kMost || IsAsStated(fit, left_out)) return {Confidence::kHigh};
+  return {Confidence::kLow,
+          fmt::format("more than a fifth of the observations was left out, and ranges or bearings err by "
+                      "{:.1f} times what is stated, or was expected{}",
+                      wider, fit.false_ratio ? "" : "; --false-ratio says how many are of nothing")};
+}
+
+}  // namespace cairn::datasets
