@@ -34,10 +34,21 @@ std::vector<RobotSteps> StepsOf(const Inputs& inputs, const MapRules& rules, std
   return steps;
 }
 
-Perception PerceptionIn(const Inputs& inputs, const MapRules& rules) {
-  auto perception = Read<Perception>(*inputs.Get("perception"));
+Perception PerceptionIn(const Inputs& inputs, const MapRules& rules,
+                        const std::string& name = "perception") {
+  auto perception = Read<Perception>(*inputs.Get(name));
   perception.Check(rules.layers());
   return perception;
+}
+
+// What each robot was looked for in.
+std::vector<Perception> PerceptionsIn(const Inputs& inputs, const MapRules& rules, std::size_t robots) {
+  std::vector<Perception> of;
+  for (std::size_t r = 0; r < robots; ++r) {
+    const std::string own = PerceptionFor(r);
+    of.push_back(PerceptionIn(inputs, rules, inputs.Has(own) ? own : "perception"));
+  }
+  return of;
 }
 
 // What the next E-step of each robot should cost: what the last one did, or, of a robot that joins (or whose
@@ -132,14 +143,40 @@ MStep MadeMap(Partials& partials, const Settings& settings, WhatIsLeft* left, st
   return MStep::FromBlob(settings, *last, robots);
 }
 
-// The next round's, in which robots are apart: the maps that tasks of this round made without one robot each.
-void TakeMapsWithout(const State& state, const Settings& settings, std::size_t robots, Partials& partials,
-                     std::map<std::string, Blob>* fresh) {
-  for (std::size_t r = 1; r < robots; ++r) {
-    const std::int64_t task = state.scalars().at(TaskWithout(r)).i();
-    RequireWithin(TaskWithout(r), task, 0, static_cast<std::int64_t>(partials.size()) - 1);
-    const BlobPtr made = partials.Get(static_cast<std::size_t>(task));
-    (*fresh)[PerceptionWithout(r)] = BlobOf(MStep::FromBlob(settings, *made, robots).perception);
+// The map that all robots but this one made, by a task of this round.
+Perception MapWithout(std::size_t robot, const State& state, const Settings& settings, std::size_t robots,
+                      Partials& partials) {
+  const std::int64_t task = state.scalars().at(TaskWithout(robot)).i();
+  RequireWithin(TaskWithout(robot), task, 0, static_cast<std::int64_t>(partials.size()) - 1);
+  return MStep::FromBlob(settings, *partials.Get(static_cast<std::size_t>(task)), robots).perception;
+}
+
+// Whether names say where a robot is in a map: it gives two of the map's.
+bool NamesPlace(const RobotSteps& robot, const Perception& map, const MapRules& rules) {
+  if (!rules.partly_named) return false;
+  int first = -1;
+  for (const Observation& seen : robot.observations) {
+    if (seen.type >= rules.types || map.likelihood.layers[static_cast<std::size_t>(seen.type)].box.empty())
+      continue;
+    if (first >= 0 && seen.type != first) return true;
+    first = seen.type;
+  }
+  return false;
+}
+
+// The next round's, in which robots join or are apart: the maps that they are found in, where these are not
+// all robots' or not whole.
+void TakeMapsOfTheirOwn(const State& state, const Settings& settings, const Schedule& done,
+                        const Schedule& next, const MStep& m_step, const std::vector<RobotSteps>& steps,
+                        Partials& partials, std::map<std::string, Blob>* fresh) {
+  if (!next.is_apart() && next.robots == done.robots) return;
+  for (std::size_t r = 1; r < steps.size(); ++r) {
+    const Perception found_in = next.is_apart() ? MapWithout(r, state, settings, steps.size(), partials)
+                                                : m_step.perception;
+    if (NamesPlace(steps[r], found_in, settings.map))
+      (*fresh)[PerceptionFor(r)] = BlobOf(NamesAlone(found_in, settings.map.types));
+    else if (next.is_apart())
+      (*fresh)[PerceptionFor(r)] = BlobOf(found_in);
   }
 }
 
@@ -230,7 +267,7 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
   const Blob& before = *inputs.Get("history");
   const auto robots_before = before.Get<std::int64_t>("robots");
   if (!robots_before.empty() && robots_before.back() < done.robots) {
-    CheckRobotsFitTheMap(sum, PerceptionIn(inputs, settings.map),
+    CheckRobotsFitTheMap(sum, PerceptionsIn(inputs, settings.map, robots.size()),
                          StepsOf(inputs, settings.map, robots.size()), *log);
   }
   const Blob history = Extended(before, done, sum, m_step.landmarks);
@@ -288,7 +325,8 @@ cairn::Step AdvanceEm(const Options& options, const State& state, Partials& part
     const std::vector<StartBox> start = sum.StartOf(r);
     if (next.StartsNearby(r) && !start.empty()) fresh[StartNear(r)] = BlobOf(start);
   }
-  if (next.is_apart()) TakeMapsWithout(state, settings, robots.size(), partials, &fresh);
+  TakeMapsOfTheirOwn(state, settings, done, next, m_step, StepsOf(inputs, settings.map, robots.size()),
+                     partials, &fresh);
   PlanGuesses(options, sum, left, next, &robot_states, &fresh, step.plan.mutable_state());
   PlanRound(options, robots, next, robot_states, fresh, &step);
   step.plan.set_note(Note(done, inputs.Has("perception"), sum.log_likelihood(), m_step.landmarks.size()));

@@ -46,6 +46,48 @@ void CheckSeenTwo(const kinds::Log& log, std::size_t robot) {
                   log.robots[robot], log.landmarks[static_cast<std::size_t>(*common.begin())]));
 }
 
+// The names that some of these robots give and `robot` gives, too.
+std::vector<bool> NamesInCommon(const kinds::Log& log, std::size_t robot, std::size_t begin, std::size_t end,
+                                const MapRules& rules) {
+  std::vector<bool> others(static_cast<std::size_t>(rules.layers()), false), common = others;
+  for (std::size_t r = begin; r < end; ++r) {
+    if (r == robot) continue;
+    for (const std::int32_t name : log.robot[r].observations.landmark.OrNone())
+      if (name >= 0) others[static_cast<std::size_t>(name)] = true;
+  }
+  for (const std::int32_t name : log.robot[robot].observations.landmark.OrNone())
+    if (name >= 0) common[static_cast<std::size_t>(name)] = others[static_cast<std::size_t>(name)];
+  return common;
+}
+
+// Whether finding a robot by the first of these names, of all places from which its way may lead there, moves
+// more cells than a search of the whole map.
+bool IsFarBefore(const std::vector<bool>& names, const RobotSteps& steps, const Settings& settings) {
+  int step = 0;
+  const auto gives = [&](int at) {
+    return std::any_of(steps.observations.begin() + steps.first_observation[at],
+                       steps.observations.begin() + steps.first_observation[at + 1],
+                       [&](const Observation& seen) { return names[static_cast<std::size_t>(seen.type)]; });
+  };
+  while (step + 1 < steps.size() && !gives(step)) ++step;
+  const double edge = 2.0 * MotionMargin(settings.Model(nullptr), steps, step) + 1.0;
+  return (step + 1) * edge * edge > kStepsLost * settings.places;
+}
+
+// The steps of a robot that the first one's map places. Where names do (em.cc), and what it saw before them
+// is far away, they begin with the first name; the rest is added in the end (seen_before.h, all_rows.h).
+RobotSteps StepsOfLater(const kinds::Log& log, std::size_t robot, const std::vector<bool>& shared,
+                        const Settings& settings) {
+  constexpr std::ptrdiff_t kEnough = 2;
+  RobotSteps steps = MakeSteps(log.robot[robot], log.robots[robot], settings.steps, &shared);
+  if (!settings.map.partly_named) return steps;
+  std::vector<bool> names = NamesInCommon(log, robot, 0, 1, settings.map);
+  if (std::ranges::count(names, true) < kEnough)
+    names = NamesInCommon(log, robot, 0, log.robot.size(), settings.map);
+  if (std::ranges::count(names, true) < kEnough || !IsFarBefore(names, steps, settings)) return steps;
+  return MakeSteps(log.robot[robot], log.robots[robot], settings.steps, &names);
+}
+
 std::vector<bool> TypesIn(const LayeredGrid& map) {
   std::vector<bool> types;
   for (const Layer& layer : map.layers) types.push_back(!layer.box.empty());
@@ -97,7 +139,10 @@ RobotStates MakeAllSteps(const Blob& blob, const Options& options, const Initial
   robot_states.overlap.assign(robots.size(), kOverlap);
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const bool anywhere = StartsAnywhere(options, r);
-    const RobotSteps steps = MakeSteps(log.robot[r], robots[r], settings.steps, anywhere ? &shared : nullptr);
+    const RobotSteps steps =
+        r > 0 && !initial.given
+            ? StepsOfLater(log, r, shared, settings)
+            : MakeSteps(log.robot[r], robots[r], settings.steps, anywhere ? &shared : nullptr);
     if (shared.empty()) shared = TypesSeen(steps, settings.map);
     if (!initial.given && r > 0) CheckSeenTwo(log, r);
     if (initial.given && !anywhere) CheckReach(initial.given->map, steps, settings);

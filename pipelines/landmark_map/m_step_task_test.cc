@@ -141,7 +141,7 @@ TEST(MStepTask, BeforeRobotsAreApartEachGetsTheMapOfTheOthers) {
   all.PutScalar<double>("of", 0.0);
   own.PutScalar<double>("of", 1.0);
   PlanRound({}, robots, {.robots = 3, .settled = 1, .apart = 1}, robot_states,
-            {{"perception", all}, {PerceptionWithout(1), own}}, &apart);
+            {{"perception", all}, {PerceptionFor(1), own}}, &apart);
   for (const Task& task : apart.plan.tasks()) {
     if (task.kind() != "backward") continue;
     for (const proto::InputRef& input : task.inputs())

@@ -121,7 +121,7 @@ class RoundPlanner {
     task.Set("summarise", schedule_.summarises()).Set("joint", schedule_.robots > 1);
     task.Set("warm", LeavesTables(options_, schedule_));
     task.Read("settings").Read("steps", "steps/" + std::to_string(chain.robot));
-    const std::string own = PerceptionWithout(chain.robot);
+    const std::string own = PerceptionFor(chain.robot);
     if (plan_->state().blobs().contains(own))
       task.Read("perception", own);
     else if (plan_->state().blobs().contains("perception"))
@@ -167,7 +167,7 @@ class RoundPlanner {
 
 std::string TaskWithout(std::size_t robot) { return "task_without/" + std::to_string(robot); }
 std::string StartNear(std::size_t robot) { return "near/" + std::to_string(robot); }
-std::string PerceptionWithout(std::size_t robot) { return "perception_without/" + std::to_string(robot); }
+std::string PerceptionFor(std::size_t robot) { return "perception_for/" + std::to_string(robot); }
 
 Blob StoredCounts(const LayeredGrid& counts) {
   Blob blob;

@@ -38,10 +38,11 @@ int StepsInUse(const Schedule& schedule, std::int64_t steps);
 // Whether the tasks `backward` of this E-step leave tables from which the next one's slices may be guessed.
 bool LeavesTables(const Options& options, const Schedule& schedule);
 
-// The map that all robots but this one make, of a round that comes before one in which they are apart: the
-// State's scalar that says which task makes it, and its blob of the next round.
+// State's scalar, of a round that comes before one in which robots are apart: which task makes the map that
+// all but this one make.
 std::string TaskWithout(std::size_t robot);
-std::string PerceptionWithout(std::size_t robot);
+// State blob: the map that a robot is found in, where that is not `perception`.
+std::string PerceptionFor(std::size_t robot);
 
 // State blob: where the round before had a robot at its first step (rows of StartBox), near which it starts.
 std::string StartNear(std::size_t robot);

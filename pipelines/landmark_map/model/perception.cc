@@ -60,6 +60,12 @@ void Perception::Check(int layers) const {
   RequireAllWithin("look_up", look_up, std::int64_t{0}, std::int64_t{layers} - 1);
 }
 
+Perception NamesAlone(Perception perception, int names) {
+  for (std::size_t k = static_cast<std::size_t>(names); k < perception.likelihood.layers.size(); ++k)
+    perception.likelihood.layers[k] = Layer();
+  return perception;
+}
+
 Box PlacesThatSee(const Observation& observation, const GridSpec& grid, const Perception& perception,
                   int layer) {
   const Box& table = perception.Of(observation.type).box;

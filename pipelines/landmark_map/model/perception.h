@@ -45,6 +45,9 @@ Box PlacesThatSee(const Observation& observation, const GridSpec& grid, const Pe
 void Observe(const Observation& observation, const GridSpec& grid, const Perception& perception,
              LayeredGrid* belief);
 
+// Without what names no landmark: what has no name says nothing then.
+Perception NamesAlone(Perception perception, int names);
+
 // counts[type](x) += probability that the observed landmark stands at x, for a normalised belief.
 void Count(const Observation& observation, const GridSpec& grid, const LayeredGrid& belief,
            LayeredGrid* counts);

@@ -126,10 +126,11 @@ std::vector<InTwoPlaces> StillInTwoPlaces(const std::vector<InTwoPlaces>& found,
   return still;
 }
 
-void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
+void CheckRobotsFitTheMap(const RoundSum& sum, const std::vector<Perception>& perceptions,
                           const std::vector<RobotSteps>& steps, const Blob& log) {
   const std::vector<std::string> robots = log.Texts("robots");
   for (std::size_t r = 1; r < robots.size(); ++r) {
+    const Perception& perception = perceptions[r];
     double all_false = 0.0, count = 0.0;
     for (const Observation& seen : steps[r].observations) {
       if (perception.Of(seen.type).box.empty()) continue;

@@ -34,12 +34,12 @@ class RobotsContradictError : public InputError {
   using InputError::InputError;
 };
 
-// Of robots that start anywhere, in their first round, under a map that is not theirs.
+// Of robots that start anywhere, in their first round, each under a map that is not its own.
 // Throws RobotsContradictError that names the robot where the map makes its observations no likelier than if
 // every one were false, but for kLeastGain nats an observation: it was somewhere else, and would be laid over
 // the map where it fits least badly.
 inline constexpr double kLeastGain = 0.25;
-void CheckRobotsFitTheMap(const RoundSum& sum, const Perception& perception,
+void CheckRobotsFitTheMap(const RoundSum& sum, const std::vector<Perception>& perceptions,
                           const std::vector<RobotSteps>& steps, const Blob& log);
 
 // At the end. A robot that was somewhere else adds to the map what is not there, which the first robot's data

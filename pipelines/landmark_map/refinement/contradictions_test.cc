@@ -148,7 +148,7 @@ std::string WhyItFitsNowhere(double log_likelihood) {
   Blob log = Named("tower");
   log.Put("robots", Array::Texts({"one", "two"}));
   try {
-    CheckRobotsFitTheMap(RoundSum::FromBlob(Settings(), of_robots, 2), perception, steps, log);
+    CheckRobotsFitTheMap(RoundSum::FromBlob(Settings(), of_robots, 2), {perception, perception}, steps, log);
   } catch (const RobotsContradictError& error) {
     return error.what();
   }
