@@ -34,8 +34,7 @@ std::vector<RobotSteps> StepsOf(const Inputs& inputs, const MapRules& rules, std
   return steps;
 }
 
-Perception PerceptionIn(const Inputs& inputs, const MapRules& rules,
-                        const std::string& name = "perception") {
+Perception PerceptionIn(const Inputs& inputs, const MapRules& rules, const std::string& name = "perception") {
   auto perception = Read<Perception>(*inputs.Get(name));
   perception.Check(rules.layers());
   return perception;
@@ -171,8 +170,8 @@ void TakeMapsOfTheirOwn(const State& state, const Settings& settings, const Sche
                         Partials& partials, std::map<std::string, Blob>* fresh) {
   if (!next.is_apart() && next.robots == done.robots) return;
   for (std::size_t r = 1; r < steps.size(); ++r) {
-    const Perception found_in = next.is_apart() ? MapWithout(r, state, settings, steps.size(), partials)
-                                                : m_step.perception;
+    const Perception found_in =
+        next.is_apart() ? MapWithout(r, state, settings, steps.size(), partials) : m_step.perception;
     if (NamesPlace(steps[r], found_in, settings.map))
       (*fresh)[PerceptionFor(r)] = BlobOf(NamesAlone(found_in, settings.map.types));
     else if (next.is_apart())

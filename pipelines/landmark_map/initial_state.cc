@@ -139,10 +139,9 @@ RobotStates MakeAllSteps(const Blob& blob, const Options& options, const Initial
   robot_states.overlap.assign(robots.size(), kOverlap);
   for (std::size_t r = 0; r < robots.size(); ++r) {
     const bool anywhere = StartsAnywhere(options, r);
-    const RobotSteps steps =
-        r > 0 && !initial.given
-            ? StepsOfLater(log, r, shared, settings)
-            : MakeSteps(log.robot[r], robots[r], settings.steps, anywhere ? &shared : nullptr);
+    const RobotSteps steps = r > 0 && !initial.given ? StepsOfLater(log, r, shared, settings)
+                                                     : MakeSteps(log.robot[r], robots[r], settings.steps,
+                                                                 anywhere ? &shared : nullptr);
     if (shared.empty()) shared = TypesSeen(steps, settings.map);
     if (!initial.given && r > 0) CheckSeenTwo(log, r);
     if (initial.given && !anywhere) CheckReach(initial.given->map, steps, settings);

@@ -129,13 +129,12 @@ std::string Reason(const InTwoPlaces& landmark, const MovedLandmark& moved) {
 std::vector<MovedLandmark> FindMoved(const std::vector<InTwoPlaces>& found,
                                      const std::vector<AssociatedPath>& paths,
                                      const std::vector<Landmark>& landmarks, const MapRules& rules) {
-  constexpr std::size_t kStayingForEach = 3;
   std::vector<MovedLandmark> all;
   for (const InTwoPlaces& landmark : found) {
     const auto moved = WhenMoved(landmark, paths);
     if (!moved) throw InputError(landmark.reason);
     if (TakesAnothersPlace(landmark, found, landmarks, rules) ||
-        CountStaying(found, *moved, paths, rules.types) < kStayingForEach * found.size())
+        CountStaying(found, *moved, paths, rules.types) <= 2 * found.size())
       throw InputError(Reason(landmark, *moved));
     all.push_back(*moved);
   }

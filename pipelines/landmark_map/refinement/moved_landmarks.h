@@ -32,7 +32,7 @@ struct MovedLandmark {
 
 // When the landmarks in two places (`found`, of EM) were moved, by EM's paths.
 // Throws InputError with the first reason where not all of them were: their observations in the two places
-// take turns; three other landmarks for each of them do not stay where they were; or another landmark stands,
+// take turns; not more than twice as many others stay where they were meanwhile; or another landmark stands,
 // or stood, in one of the two places, and names were exchanged.
 std::vector<MovedLandmark> FindMoved(const std::vector<InTwoPlaces>& found,
                                      const std::vector<AssociatedPath>& paths,

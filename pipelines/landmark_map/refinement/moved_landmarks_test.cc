@@ -102,6 +102,32 @@ TEST(FindMoved, NotWhereTooFewOthersStayed) {
       InputError);
 }
 
+// Two of seven; not of six.
+TEST(FindMoved, TwoWhereMoreThanTwiceAsManyOthersStay) {
+  for (const int staying : {5, 4}) {
+    std::vector<std::pair<int, Point>> seen;
+    for (int round = 0; round < 12; ++round) {
+      const double moved_m = round < 7 ? 0 : 20;
+      for (int type = 0; type < staying; ++type) seen.push_back({type, {10.0 * type, 0}});
+      seen.push_back({5, {moved_m, 20}});
+      seen.push_back({6, {moved_m, 30}});
+    }
+    const std::vector<InTwoPlaces> found{{5, 20, "two places", {0, 20}, {20, 20}},
+                                         {6, 20, "two places", {0, 30}, {20, 30}}};
+    MapRules rules = RulesOfFour();
+    rules.types = 7;
+    std::vector<Landmark> landmarks(5);
+    for (int type = 0; type < 5; ++type) {
+      landmarks[static_cast<std::size_t>(type)].type = type;
+      landmarks[static_cast<std::size_t>(type)].x_m = 10.0 * type;
+    }
+    if (staying == 5)
+      EXPECT_EQ(FindMoved(found, {PathOver(seen)}, landmarks, rules).size(), 2U);
+    else
+      EXPECT_THROW(FindMoved(found, {PathOver(seen)}, landmarks, rules), InputError);
+  }
+}
+
 TEST(LandmarkMap, ALandmarkThatWasMovedIsNamedAndTheMapIsMade) {
   const PostsLog stayed{.named = true, .times = 8};
   const Blob log = PostsLog{.named = true, .times = 8, .moved = true}.Make();
