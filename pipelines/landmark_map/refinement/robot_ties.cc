@@ -38,8 +38,11 @@ Tie TieOf(const Submap& one, const Submap& base, const std::vector<bool>& named,
   tie.shared = std::ranges::count_if(one.landmarks, [&](const Submap::Seen& seen) {
     return std::ranges::find(base.landmarks, seen.landmark, &Submap::Seen::landmark) != base.landmarks.end();
   });
-  if (NamesInCommon(one, base, named)) return tie;
+  const bool by_names = NamesInCommon(one, base, named);
+  if (by_names && std::ranges::all_of(named, std::identity())) return tie;
   const Placings placings = FindPlacings(one, base, sigma_m);
+  // Names that were exchanged lead a robot elsewhere: the landmarks without say so.
+  if (by_names && placings.LeadNats() > -kTiedNats) return tie;
   tie.one_sided = static_cast<std::int64_t>(placings.here.contradicted);
   tie.lead_nats = placings.LeadNats();
   return tie;

@@ -19,7 +19,8 @@ struct Tie {
   // Landmarks that both sides have seen twice at least.
   std::int64_t shared = 0;
   // That one side alone has seen though the other looked there, and by how many nats they are likelier to lie
-  // so than otherwise (placing.h). None where names say it, of two landmarks or more.
+  // so than otherwise (placing.h). None where names say it, of two landmarks or more, and landmarks without
+  // do not say by kTiedNats that it is elsewhere.
   std::optional<std::int64_t> one_sided = {};
   std::optional<double> lead_nats = {};
 };

@@ -42,6 +42,30 @@ TEST(TiesOfRobots, NamesOfTwoLandmarksSayWhereItIs) {
   EXPECT_FALSE(ties[1].lead_nats.has_value());
 }
 
+// The second one drives through another part of the room, where two posts that it sees have the names of two
+// of the first one's.
+TEST(TiesOfRobots, LandmarksWithoutNamesSayWhereNamesWereExchanged) {
+  std::vector<PlacedRow> right = DriveThroughRoom(1), led = DriveThroughRoom(1, 20, 4, {3, -2, 0.7});
+  std::vector<bool> named(40, false);
+  const auto told = [&](std::vector<PlacedRow>* rows, std::int32_t landmark, std::int32_t as) {
+    for (PlacedRow& row : *rows) {
+      if (row.landmark != landmark) continue;
+      row.landmark = as;
+      row.told = true;
+    }
+    named[static_cast<std::size_t>(as)] = true;
+  };
+  const std::int32_t first = right.front().landmark, second = right.back().landmark;
+  ASSERT_NE(first, second);
+  for (const std::int32_t name : {first, second}) told(&right, name, name);
+  told(&led, led.front().landmark, first);
+  told(&led, led.back().landmark, second);
+  const auto ties = TiesOfRobots({right, led}, named, kTieSigma);
+  EXPECT_EQ(ties[1].shared, 2);
+  ASSERT_TRUE(ties[1].lead_nats.has_value());
+  EXPECT_LT(*ties[1].lead_nats, -kTiedNats);
+}
+
 // Of two robots that press buttons: both lie to one another as the buttons of the second lie among those of
 // the first, which in a square is the same in four ways.
 TEST(PutTies, OfContactDetectionsASquareSaysLittle) {
