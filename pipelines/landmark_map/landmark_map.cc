@@ -260,15 +260,16 @@ cairn::Step LandmarkMap::GoOn(std::vector<cairn::Step> starts, const Inputs& inp
   const Settings settings = rounds.settings();
   const std::vector<Candidate> candidates = rounds.candidates();
   const Choice choice = Choose(candidates, settings);
-  std::vector<Proposal> proposals;
-  if (!rounds.WentOnFrom(choice.best))
-    proposals = ProposalsAround(candidates, choice.best, settings);
-  else if (choice.support < kEnoughSupport)
-    proposals = ProposalsBeyond(candidates, settings, rounds.MeanIncrementM());
+  const bool rare = choice.support < kEnoughSupport;
+  const bool open = LooksOpen(candidates[static_cast<std::size_t>(choice.best)]);
+  std::vector<Proposal> further;
+  if (rare || open) further = ProposalsAtOnce(candidates, settings);
+  if (rare && further.empty()) further = ProposalsBeyond(candidates, settings, rounds.MeanIncrementM());
+  const std::size_t beyond = further.size();
+  const std::vector<Proposal> proposals = rounds.WentOnFrom(choice.best)
+                                              ? std::move(further)
+                                              : ProposalsAround(candidates, choice.best, settings);
   if (rounds.waves() < options_.waves && rounds.Seconds() < kEnoughSeconds && !proposals.empty()) {
-    const bool rare = choice.support < kEnoughSupport;
-    const std::size_t beyond =
-        rare ? ProposalsBeyond(candidates, settings, rounds.MeanIncrementM()).size() : 0;
     rounds.GoOnFrom(choice.best, static_cast<int>(beyond), proposals);
     cairn::Step step = Merged(options_, std::move(rounds).Take());
     step.plan.set_note(Sentence(candidates, choice));

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "schema/kinds/few_in_common.h"
 #include "schema/kinds/landmark_map.h"
 
 namespace cairn::landmark_map {
@@ -128,6 +129,20 @@ std::vector<Proposal> ProposalsBeyond(const std::vector<Candidate>& candidates, 
   }
   return proposals;
 }
+
+std::vector<Proposal> ProposalsAtOnce(const std::vector<Candidate>& candidates, const Settings& settings) {
+  constexpr double kLittle = 0.1;  // of the data
+  constexpr int kEachWay = 4;
+  const double step = DriftStep(settings.starts) * settings.noise.heading_drift_rad_per_m;
+  const bool tried =
+      std::ranges::any_of(candidates, [](const Candidate& c) { return c.start.prefix == 1.0; });
+  std::vector<Proposal> proposals;
+  if (!(step > 0.0) || settings.growth_start >= kLittle || tried) return proposals;
+  for (int k = -kEachWay; k <= kEachWay; ++k) proposals.push_back({{step * k / kEachWay, 1.0}, {}});
+  return proposals;
+}
+
+bool LooksOpen(const Candidate& candidate) { return FindFewestInCommon({candidate.associations}).AreFew(); }
 
 Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, const Settings& settings) {
   const Candidate& best = candidates[static_cast<std::size_t>(choice.best)];

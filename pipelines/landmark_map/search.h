@@ -74,6 +74,17 @@ inline constexpr double kEnoughSeconds = 20.0;
 std::vector<Proposal> ProposalsBeyond(const std::vector<Candidate>& candidates, const Settings& settings,
                                       double increment_m);
 
+// What to try where too few starts agree, or the best map looks open: starts that have all the data at once,
+// whose drifts lie four times as near to one another, to one step on either side. Starts that begin with a
+// little of the data and grow may all bend the path as each new stretch bids, and take what they come back to
+// for new: with all data at once the loop draws from the first iteration on, but only to a drift that is
+// near. None where starts began with more than a little, or this was tried.
+std::vector<Proposal> ProposalsAtOnce(const std::vector<Candidate>& candidates, const Settings& settings);
+
+// Whether at some moment few of the landmarks that were seen before are seen again (schema/kinds/
+// few_in_common.h): so it is where a loop was not closed.
+bool LooksOpen(const Candidate& candidate);
+
 // What the result says of the search; fields as in schema/FORMAT.md, search/.
 Blob ToBlob(const std::vector<Candidate>& candidates, const Choice& choice, const Settings& settings);
 

@@ -180,6 +180,30 @@ TEST(ProposalsBeyond, AreDriftsUpToTwiceAsFarOnEitherSideForEachOfTwoPrefixes) {
   EXPECT_TRUE(ProposalsBeyond(candidates, settings, 5.0).empty()) << "odometry that does not drift";
 }
 
+TEST(ProposalsAtOnce, AreOfAllDataWithDriftsFourTimesAsNearUnlessStartsBeganWithMoreOrItWasTried) {
+  Settings settings = SearchSettings();
+  settings.growth_start = 0.05;
+  std::vector<Candidate> candidates{Found(-60, 3, {}, 0.02)};
+  candidates[0].start.prefix = 0.05;
+  const std::vector<Proposal> at_once = ProposalsAtOnce(candidates, settings);
+  ASSERT_EQ(at_once.size(), 9U);
+  for (std::size_t k = 0; k < at_once.size(); ++k) {
+    EXPECT_NEAR(at_once[k].start.drift_rad_per_m, 0.0025 * (static_cast<double>(k) - 4.0), 1e-12);
+    EXPECT_EQ(at_once[k].start.prefix, 1.0);
+    EXPECT_FALSE(at_once[k].without.has_value());
+  }
+  candidates.push_back(Found(-60, 3, {}, 0.01));
+  EXPECT_TRUE(ProposalsAtOnce(candidates, settings).empty()) << "tried";
+  candidates.pop_back();
+  settings.growth_start = 0.5;
+  EXPECT_TRUE(ProposalsAtOnce(candidates, settings).empty()) << "starts began with half of the data";
+}
+
+TEST(LooksOpen, WhereNoMoreThanHalfOfTheLandmarksAreSeenAgain) {
+  EXPECT_TRUE(LooksOpen(Found(-60, 6, {0, 1, 2, 0, 1, 2, 2, 3, 4, 5, 3, 4, 5})));
+  EXPECT_FALSE(LooksOpen(Found(-60, 3, {0, 1, 2, 0, 1, 2, 0, 1, 2})));
+}
+
 BlobPtr SearchedMap(const Blob& log, const Options& options) {
   return RunInProcess(LandmarkMap(options), {{"log", std::make_shared<const Blob>(log)}});
 }
@@ -230,6 +254,19 @@ TEST(Search, SeesAtADistanceWhatOneStartDoesNotFind) {
   const auto landmark = searched->Get<std::int32_t>("robot/0/observations/map_landmark");
   EXPECT_LT(std::ranges::count(landmark, -1), static_cast<std::ptrdiff_t>(landmark.size() / 20))
       << "images that EM leaves out are told apart too";
+}
+
+// Once round: most posts are behind it when it comes to the next ones.
+TEST(Search, WhereALoopLooksOpenStartsHaveAllDataAtOnceToo) {
+  constexpr double kDrift_rad_per_m = 4.0 * std::numbers::pi / 180.0;
+  const BlobPtr found = SearchedMap(PostsLog{.drift_rad_per_m = kDrift_rad_per_m, .times = 1}.Make(), {});
+  EXPECT_EQ(found->Get<double>("map/landmark_x_m").size(), 6U);
+  const auto prefix = found->Get<double>("search/start_prefix");
+  const auto refit_of = found->Get<std::int32_t>("search/refit_of");
+  int at_once = 0;
+  for (std::size_t k = 0; k < prefix.size(); ++k) at_once += prefix[k] == 1.0 && refit_of[k] < 0;
+  EXPECT_EQ(at_once, 9);
+  EXPECT_EQ(found->Get<std::uint8_t>("fit/told")[0], 0) << "the log states no errors";
 }
 
 TEST(Search, AResultSaysThatEmStartedOnceWhereNoSearchConfirmsWhichLandmarkIsWhich) {
