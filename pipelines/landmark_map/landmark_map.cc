@@ -261,7 +261,9 @@ cairn::Step LandmarkMap::GoOn(std::vector<cairn::Step> starts, const Inputs& inp
   const std::vector<Candidate> candidates = rounds.candidates();
   const Choice choice = Choose(candidates, settings);
   const bool rare = choice.support < kEnoughSupport;
-  const bool open = LooksOpen(candidates[static_cast<std::size_t>(choice.best)]);
+  constexpr double kClear_nats = 50;  // ahead of all others: wide starts take many times as long
+  const bool open = choice.lead_nats && *choice.lead_nats < kClear_nats &&
+                    LooksOpen(candidates[static_cast<std::size_t>(choice.best)]);
   std::vector<Proposal> further;
   if (rare || open) further = ProposalsAtOnce(candidates, settings);
   if (rare && further.empty()) further = ProposalsBeyond(candidates, settings, rounds.MeanIncrementM());
