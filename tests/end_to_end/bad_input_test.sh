@@ -42,13 +42,13 @@ refuses_import 'nowhere.csv' cairn import csv --odometry nowhere.csv log.h5
 
 # What no other command would take is not written.
 printf 'x_m,y_m,a,b\n0,0,0,2\n1e10,1,2,0\n' >costs.csv
-refuses_import "'position/x_m', entry 1: 10000000000" cairn import errors costs.csv log.h5
+refuses_import "costs.csv:3: a number that no robot comes to: x_m is" cairn import errors costs.csv log.h5
 odometry "${good_rows[@]}" >odometry.csv
 printf 'landmark,x_m,y_m\nx,1e10,0\n' >places.csv
 observations '2,a,x,1,0' >observations.csv
-refuses_import "'truth/landmarks/x_m': 10000000000" import --truth-landmarks places.csv
+refuses_import "places.csv:2: a number that no robot comes to: x_m is" import --truth-landmarks places.csv
 odometry '1,a,0,1' '2,a,0,1e10' >odometry.csv
-refuses_import "odometry/forward_m', entry 1: 10000000000" import --units-are-right
+refuses_import "a number that no robot comes to: forward_m is" import --units-are-right
 
 cp odometry.csv kept.csv
 refuses "'odometry.csv' is an input" cairn import csv --odometry odometry.csv odometry.csv --force
