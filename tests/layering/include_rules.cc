@@ -221,7 +221,7 @@ const std::vector<Rule>& Rules() {
        {"schema/*", "schema/kinds/", "schema/store/", "datasets/common/", "datasets/import/*", "zlib.h"},
        false},
       {"datasets/import/recorded",
-       {"schema/*", "schema/kinds/", "datasets/common/", "datasets/import/"},
+       {"schema/*", "schema/kinds/", "schema/store/", "datasets/common/", "datasets/import/"},
        false},
       {"datasets/bag",
        {"schema/*", "schema/kinds/", "schema/store/", "datasets/common/", "datasets/detect/",
