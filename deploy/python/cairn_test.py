@@ -14,6 +14,7 @@ import time
 import tracemalloc
 import unittest
 import warnings
+import zlib
 from pathlib import Path
 from unittest import mock
 
@@ -232,6 +233,40 @@ class PackageTest(unittest.TestCase):
                 self.refused(f"{name}: damaged: 'robots' cannot be read: {why}", file.__getitem__, "robots")
             self.assertLess(tracemalloc.get_traced_memory()[1], 200 << 20)
             tracemalloc.stop()
+
+    def test_what_unpacks_to_more_than_it_says_is_refused_before_it_is_unpacked(self) -> None:
+        for name, size, times, why in (("once", 1000, 1, "its chunks are more than they unpack to"),
+                                       ("large", 1 << 19, 1, "it unpacks to more than its shape says"),
+                                       ("twice", 1000, 2, "its filters are none of Cairn's")):
+            plan = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+            plan.set_chunk((size,))
+            packed = bytes(64 << 20)
+            for _ in range(times):
+                plan.set_filter(h5py.h5z.FILTER_DEFLATE, 0, (9,))
+                packed = zlib.compress(packed, 9)
+            with self.hostile(f"{name}.h5") as f:
+                space = h5py.h5s.create_simple((size,))
+                h5py.h5d.create(f.id, b"x", h5py.h5t.NATIVE_DOUBLE, space, plan).write_direct_chunk((0,), packed)
+            with cairn.read(f"{name}.h5") as file:
+                self.refused(why, file.__getitem__, "x")
+
+    def test_rows_and_groups_without_end_are_refused(self) -> None:
+        with self.hostile("rows.h5") as f:
+            f.create_dataset("x", (1 << 40, 0), h5py.string_dtype())
+        self.refused("more rows than Cairn's do", cairn.read("rows.h5").__getitem__, "x")
+        with self.hostile("deep.h5") as f:
+            f["/".join("a" * 40)] = 1.0
+        self.refused("groups within groups, more than 32 deep", cairn.read, "deep.h5")
+        with self.hostile("names.h5") as f:
+            group = f.create_group("a")
+            for _ in range(25):  # 2^25 ways
+                group["b"] = group["a"] = f.create_group(None)
+                group = group["a"]
+            group["x"] = 1.0
+        self.assertEqual(len(cairn.read("names.h5")), 1)
+
+    def test_a_zero_byte_in_a_word_is_refused(self) -> None:
+        self.refused("no zero byte", cairn.command, "inspect", "a\0b")
 
     def test_what_a_stranger_wrote_is_printed_escaped(self) -> None:
         with self.hostile("escapes.h5", "log\x1b[31m\n\u202e") as f:

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <limits>
 #include <memory>
 
 #include "schema/array_form.h"
+#include "schema/store/guarded.h"
 #include "schema/store/hdf5_handle.h"
 #include "schema/store/layout.h"
 #include "schema/text.h"
@@ -56,6 +58,7 @@ struct Open {
   Handle dataset, type, space;
   DatasetInfo info;
   bool variable_text = false;
+  double chunk_bytes = 0;
 };
 
 bool FillType(Open* open) {
@@ -111,6 +114,7 @@ Status CheckLiesInThisFile(hid_t dataset, const std::string& name) {
     return Corrupt(in_words +
                    "its data are in other files (a virtual dataset); Cairn reads none but this one");
   const int filters = H5Pget_nfilters(creation.get());
+  std::vector<H5Z_filter_t> seen;
   for (int i = 0; i < filters; ++i) {
     unsigned flags = 0, config = 0;
     std::size_t values = 0;
@@ -120,26 +124,37 @@ Status CheckLiesInThisFile(hid_t dataset, const std::string& name) {
       return Corrupt(in_words + "its filter " + std::to_string(filter) +
                      " is none of HDF5's own, and Cairn loads no others; `h5repack -f GZIP=1` writes a copy "
                      "that it reads");
+    if (std::ranges::find(seen, filter) != seen.end())
+      return Corrupt(in_words +
+                     "it has one filter twice; `h5repack -f GZIP=1` writes a copy that Cairn reads");
+    seen.push_back(filter);
   }
   return Status::Ok();
 }
 
 // HDF5 unpacks a chunk whole: a small file may hold one that unpacks to gigabytes for an array of a few
-// bytes.
-bool ChunksAreCredible(const Open& open, const std::vector<hsize_t>& dims) {
-  constexpr double kMost = 64 << 20;
-  const Handle creation(H5Dget_create_plist(open.dataset.get()), H5Pclose);
+// bytes. Nor has a chunk more in the file than unpacked, but for what filters put before it.
+bool ChunksAreCredible(Open* open, const std::vector<hsize_t>& dims) {
+  constexpr double kMost = 64 << 20, kMostBefore = 1024, kMostLonger = 1.02;
+  constexpr std::size_t kReference = 16;  // to a text
+  const Handle creation(H5Dget_create_plist(open->dataset.get()), H5Pclose);
   if (!creation.ok()) return false;
   std::vector<hsize_t> chunk(dims.size());
   const int rank = static_cast<int>(dims.size());
   if (rank == 0 || H5Pget_layout(creation.get()) != H5D_CHUNKED) return true;
   if (H5Pget_chunk(creation.get(), rank, chunk.data()) != rank) return false;
-  double chunk_bytes = static_cast<double>(H5Tget_size(open.type.get())), all_bytes = chunk_bytes;
+  double all_bytes = static_cast<double>(
+             std::max(H5Tget_size(open->type.get()), open->variable_text ? kReference : 1)),
+         chunks = 1;
+  open->chunk_bytes = all_bytes;
   for (std::size_t axis = 0; axis < dims.size(); ++axis) {
-    chunk_bytes *= static_cast<double>(chunk[axis]);
+    open->chunk_bytes *= static_cast<double>(chunk[axis]);
     all_bytes *= static_cast<double>(dims[axis]);
+    chunks *= std::ceil(static_cast<double>(dims[axis]) / static_cast<double>(chunk[axis]));
   }
-  return chunk_bytes <= std::max(kMost, all_bytes);
+  return open->chunk_bytes <= std::max(kMost, all_bytes) &&
+         static_cast<double>(open->info.stored_bytes) <=
+             chunks * (kMostLonger * open->chunk_bytes + kMostBefore);
 }
 
 Result<Open> OpenDataset(hid_t file, const std::string& name, hid_t access = H5P_DEFAULT) {
@@ -157,9 +172,10 @@ Result<Open> OpenDataset(hid_t file, const std::string& name, hid_t access = H5P
   if (rank > 0) H5Sget_simple_extent_dims(open.space.get(), dims.data(), nullptr);
   open.info.shape.assign(dims.begin(), dims.end());
   open.info.stored_bytes = H5Dget_storage_size(open.dataset.get());
-  if (!ChunksAreCredible(open, dims))
+  if (!ChunksAreCredible(&open, dims))
     return Corrupt("dataset '" + name +
-                   "': its chunks are far larger than it; `h5repack` writes a copy that Cairn reads");
+                   "': its chunks are far larger than it, or more than they unpack to; `h5repack` writes a "
+                   "copy that Cairn reads");
   if (H5Sget_simple_extent_type(open.space.get()) == H5S_NULL || !SizeIsCredible(open.info)) {
     return Corrupt("dataset '" + name + "': its shape and its data do not agree");
   }
@@ -223,6 +239,23 @@ struct Part {
   hid_t memory, file;
   std::size_t items;
 };
+
+// Without more memory than what it declares takes: a chunk's stream may unpack to as much as its maker likes.
+// Texts of variable width lie in the file as they are.
+Status Read(const Open& open, hid_t type, const Part& part, hid_t list, void* to) {
+  constexpr double kBeside = 256 << 20, kGrown = 4;  // the buffer that a chunk unpacks into is doubled
+  hsize_t file_bytes = 0;
+  const Handle file(H5Iget_file_id(open.dataset.get()), H5Fclose);
+  if (open.variable_text) H5Fget_filesize(file.get(), &file_bytes);
+  const double most = kBeside + kGrown * (open.chunk_bytes + static_cast<double>(file_bytes)) +
+                      static_cast<double>(BytesOf(open.info));
+  MemoryLimit limit(static_cast<std::uint64_t>(most));
+  if (H5Dread(open.dataset.get(), type, part.memory, part.file, list, to) >= 0) return Status::Ok();
+  if (LastCause().no_memory && limit.Lift())
+    return {Code::kRefused,
+            "dataset '" + open.info.name + "': not read: it unpacks to far more than its shape says"};
+  return Damaged(open.info.name);
+}
 
 // In order, in parts of about a MiB of items of so many bytes: a part is some steps along `axis`, of all that
 // lies within them, at one place of the axes before it.
@@ -299,10 +332,9 @@ Result<Array> ReadVariableTexts(const Open& open, std::uint64_t most_bytes, std:
   const auto read = [&](TextMemory* memory, const Part& part) -> Status {
     if (part.items == 0) return Status::Ok();
     pointers.assign(part.items, nullptr);
-    if (H5Dread(open.dataset.get(), type.get(), part.memory, part.file, memory->list(), pointers.data()) >= 0)
-      return Status::Ok();
+    const Status status = Read(open, type.get(), part, memory->list(), pointers.data());
     const std::size_t longest = memory->longest();
-    if (longest <= most_text) return Damaged(info.name);
+    if (status.ok() || longest <= most_text) return status;
     if (longest <= most_each)
       return Corrupt("dataset '" + info.name + "': a text of it is longer than " +
                      std::to_string(kMostTextBytes) + " bytes");
@@ -427,9 +459,9 @@ Result<Array> ReadDataset(hid_t file, const std::string& name, std::uint64_t mos
   const std::size_t size = BytesOf(open.info);
   // The array's own: it may be most of the memory.
   const std::shared_ptr<std::byte> bytes = AlignedBytes(size);
-  if (size > 0 && H5Dread(open.dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.get()) < 0) {
-    return Damaged(name);
-  }
+  if (size > 0)
+    if (Status own = Read(open, type.get(), {H5S_ALL, H5S_ALL, size}, H5P_DEFAULT, bytes.get()); !own.ok())
+      return own;
   return Array::Over(open.info.type, open.info.item_bytes, open.info.shape, {bytes.get(), size}, bytes);
 }
 
@@ -452,10 +484,9 @@ Status ReadInParts(hid_t file, const std::string& name, std::uint64_t most_bytes
   std::vector<std::byte> bytes;
   return InParts(open, open.info.item_bytes, [&](const Part& part) -> Status {
     bytes.resize(part.items * open.info.item_bytes);
-    if (!bytes.empty() &&
-        H5Dread(open.dataset.get(), type.get(), part.memory, part.file, H5P_DEFAULT, bytes.data()) < 0)
-      return Damaged(name);
-    return bytes.empty() || take(bytes) ? Status::Ok() : refused;
+    if (bytes.empty()) return Status::Ok();
+    if (Status own = Read(open, type.get(), part, H5P_DEFAULT, bytes.data()); !own.ok()) return own;
+    return take(bytes) ? Status::Ok() : refused;
   });
 }
 

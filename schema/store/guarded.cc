@@ -31,6 +31,8 @@ struct CloseStream {
 };
 using Stream = std::unique_ptr<FILE, CloseStream>;
 
+bool is_child = false;
+
 // ---- the child's side: numbers as eight bytes, texts and arrays after their length ----
 void Put(FILE* out, std::uint64_t value) { std::fwrite(&value, sizeof value, 1, out); }
 void Put(FILE* out, const std::string& text) {
@@ -75,7 +77,7 @@ bool LimitMemory([[maybe_unused]] std::uint64_t more_bytes) {
   rlimit limit{};
   if (!sizes || ::getrlimit(RLIMIT_DATA, &limit) != 0) return false;
   limit.rlim_cur =
-      std::min<rlim_t>(limit.rlim_max, pages * static_cast<std::uint64_t>(::getpagesize()) + more_bytes);
+      std::min<rlim_t>(limit.rlim_cur, pages * static_cast<std::uint64_t>(::getpagesize()) + more_bytes);
   return ::setrlimit(RLIMIT_DATA, &limit) == 0;
 #endif
 }
@@ -120,6 +122,7 @@ rlim_t MostSeconds(std::uint64_t file_bytes) { return 10 + file_bytes / 4'000'00
   if (::getppid() != parent) ::_exit(1);
   ::signal(SIGPIPE, SIG_DFL);
   pipe = KeepOnly(pipe);
+  is_child = true;
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);
   const rlim_t seconds = MostSeconds(file_bytes);
@@ -287,6 +290,21 @@ int WaitFor(pid_t child) {
 }
 
 }  // namespace
+
+MemoryLimit::MemoryLimit(std::uint64_t more_bytes) : more_bytes_(more_bytes) {
+  rlimit limit{};
+  if (!is_child || ::getrlimit(RLIMIT_DATA, &limit) != 0) return;
+  before_ = limit.rlim_cur;
+  is_set_ = LimitMemory(more_bytes);
+}
+
+bool MemoryLimit::Lift() {
+  rlimit limit{};
+  if (!std::exchange(is_set_, false) || ::getrlimit(RLIMIT_DATA, &limit) != 0) return false;
+  limit.rlim_cur = before_;
+  if (::setrlimit(RLIMIT_DATA, &limit) != 0) return false;
+  return std::unique_ptr<std::byte[]>(new (std::nothrow) std::byte[more_bytes_]) != nullptr;
+}
 
 Result<FileContents> InChild(const std::filesystem::path& path,
                              const std::function<Result<FileContents>()>& read, const ChildReader& reader) {

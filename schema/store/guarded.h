@@ -2,6 +2,7 @@
 // no end on others; then the child dies, and the caller gets a Status.
 #pragma once
 
+#include <sys/resource.h>
 #include <sys/types.h>
 
 #include <cstdint>
@@ -34,6 +35,23 @@ struct ChildReader {
   std::uint64_t bytes = 0;         // 0: the file's
   std::uint64_t memory_bytes = 0;  // that the child may take beside what its parent has; 0: no limit
   std::string more_memory = {};    // for people: how to give it more, as a sentence's end
+};
+
+// What this process may have while one lives, in a child: what it has and so many bytes more. Elsewhere, and
+// with sanitizers, it limits nothing.
+class MemoryLimit {
+ public:
+  explicit MemoryLimit(std::uint64_t more_bytes);
+  MemoryLimit(const MemoryLimit&) = delete;
+  MemoryLimit& operator=(const MemoryLimit&) = delete;
+  ~MemoryLimit() { Lift(); }
+  // Ends it. Whether it was this that kept memory back: so much could have been had.
+  bool Lift();
+
+ private:
+  std::uint64_t more_bytes_;
+  rlim_t before_ = 0;
+  bool is_set_ = false;
 };
 
 // Runs `read` in a child, and brings back what it gives. kCorrupt names the file where the reader crashes,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import os
+import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
@@ -25,6 +26,9 @@ _GIVEN = ("log", "poses", "samples", "errors")  # kinds that people make, and ma
 _MOST_BYTES, _MOST_PACKED = 2 << 30, 100  # as of the program: what is larger, and so many times its file, is none of ours
 _MOST_DEFLATED = 1100  # deflate shrinks at most 1032 times
 _CHUNK_BYTES = 64 << 20  # a larger chunk than that is none of ours, unless the whole array is
+_MOST_LEVELS = 32
+_FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}
+_MOST_ROWS = 1 << 16  # of texts
 _Column = npt.NDArray[np.float64]
 
 
@@ -68,11 +72,25 @@ class File(Mapping[str, Any]):
         self.path, self.kind, self.changed = path, kind, changed
         self._file = file
         self._names: dict[str, None] = {}
+        self._seen: set[int] = set()
         self._read: dict[str, Any] = {}
         with _as_input(f"{path}: damaged: what is in it cannot be told"):
-            file.visititems(self._add)  # follows no links to elsewhere
+            self._add_all(file, "")
+
+    def _add_all(self, group: h5py.Group, prefix: str) -> None:
+        if prefix.count("/") >= _MOST_LEVELS:  # HDF5 goes each time from the root to what it is asked for
+            raise InputError(f"{self.path}: groups within groups, more than {_MOST_LEVELS} deep")
+        for name in group:
+            if not isinstance(group.get(name, getlink=True), h5py.HardLink):  # no links to elsewhere
+                continue
+            item = group[name]
+            if (at := h5py.h5o.get_info(item.id).addr) not in self._seen:  # what has two names has the first
+                self._seen.add(at)
+                self._add(prefix + name, item)
 
     def _add(self, name: str, item: Any) -> None:
+        if isinstance(item, h5py.Group):
+            self._add_all(item, f"{name}/")
         if not isinstance(item, h5py.Dataset):
             return
         if item.external or item.is_virtual:
@@ -205,6 +223,28 @@ def _check_form(dataset: h5py.Dataset) -> None:
         raise ValueError("its shape and its data do not agree")
     if dataset.chunks is not None and math.prod(dataset.chunks) * item > max(_CHUNK_BYTES, size):
         raise ValueError("its chunks are far larger than it")
+    _check_unpacked(dataset, item)
+
+
+def _check_unpacked(dataset: h5py.Dataset, item: int) -> None:
+    """A chunk's stream may unpack to as much as its maker likes."""
+    plan = dataset.id.get_create_plist()
+    filters = [plan.get_filter(i)[0] for i in range(plan.get_nfilters())]
+    if len(set(filters)) != len(filters) or not _FILTERS.issuperset(filters):
+        raise ValueError("its filters are none of Cairn's")
+    if h5py.h5z.FILTER_DEFLATE not in filters:
+        return
+    if filters[-1] == h5py.h5z.FILTER_FLETCHER32:
+        filters.pop()
+    nominal, skipped = math.prod(dataset.chunks) * max(item, 16) + 64, 1 << filters.index(h5py.h5z.FILTER_DEFLATE)
+    for i in range(dataset.id.get_num_chunks()):
+        chunk = dataset.id.get_chunk_info(i)
+        if chunk.size > 2 * nominal + 1024:
+            raise ValueError("its chunks are more than they unpack to")
+        if not chunk.filter_mask & skipped:
+            _, packed = dataset.id.read_direct_chunk(chunk.chunk_offset)
+            if len(zlib.decompressobj().decompress(packed, nominal + 1)) > nominal:
+                raise ValueError("it unpacks to more than its shape says")
 
 
 def _check_size(dataset: h5py.Dataset, size: int) -> None:
@@ -229,6 +269,8 @@ def _texts(dataset: h5py.Dataset) -> npt.NDArray[np.str_]:
 def _of_no_width(dataset: h5py.Dataset) -> npt.NDArray[np.object_]:
     """In parts: each text is as long as the file at most, but many may be one and the same there."""
     values, held = np.empty(dataset.shape, object), 0
+    if dataset.ndim > 1 and math.prod(dataset.shape[:-1]) > _MOST_ROWS:
+        raise ValueError("its texts stand in more rows than Cairn's do")
     size, file_bytes = 16, dataset.file.id.get_filesize()
     most = min(max(64, (256 << 20) // file_bytes), 1 << 16)
     for row in np.ndindex(dataset.shape[:-1]):

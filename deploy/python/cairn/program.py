@@ -59,6 +59,8 @@ def command(*words: PathLike) -> Any:
 
 def _word(word: PathLike) -> str:
     text = os.fspath(word)
+    if "\0" in text:
+        raise InputError(f"{text!r}: a word of a command has no zero byte")
     return f"./{text}" if text.startswith("-") and not isinstance(word, str) else text
 
 
