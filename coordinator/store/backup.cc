@@ -263,6 +263,22 @@ Status RemoveWhatIsGone(const StoreFolder& from, const StoreFolder& to, Copier& 
   return Status::Ok();
 }
 
+// What one that ended right after its beginning has left, or nothing. A store that was ever served holds
+// more.
+bool HoldsNoMoreThanABeginning(const fs::path& to) {
+  const std::vector<fs::path> leftovers = Leftovers(to);
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(to, error), end; !error && it != end; it.increment(error)) {
+    const fs::path& path = it->path();
+    const bool first = it.depth() == 0 && (path.filename() == "lock" || path.filename() == "version");
+    const fs::file_type type = it->symlink_status(error).type();
+    if (type != fs::file_type::directory && !(first && type == fs::file_type::regular) &&
+        std::ranges::find(leftovers, path) == leftovers.end())
+      return false;
+  }
+  return !error;
+}
+
 // Nothing that is not a copy of this store is written over.
 Status CheckPlaces(const fs::path& from, const fs::path& to) {
   std::error_code error;
@@ -270,7 +286,7 @@ Status CheckPlaces(const fs::path& from, const fs::path& to) {
       fs::weakly_canonical(to, error).lexically_relative(fs::weakly_canonical(from, error));
   if (!inside.empty() && *inside.begin() != "..")
     return {Code::kRefused, to.string() + " lies in the store itself"};
-  if (!fs::exists(to, error) || fs::is_empty(to, error)) return Status::Ok();
+  if (!fs::exists(to, error) || HoldsNoMoreThanABeginning(to)) return Status::Ok();
   constexpr std::size_t kMostBytes = 1 << 13;
   const Result<std::string> of = ReadSmallFile(to / kBackupOf, kMostBytes);
   if (!of.ok())

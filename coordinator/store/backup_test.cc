@@ -178,7 +178,7 @@ TEST_F(Backup, AStoreWithoutJobsTakesNoCopyAway) {
 TEST_F(Backup, AStoreOfItsOwnIsNoPlaceForOne) {
   TempFolder other;
   {
-    ASSERT_TRUE(StoreFolder::Open(other.path() / "store").ok());
+    ASSERT_TRUE(StoreFolder::OpenToServe(other.path() / "store", false).ok());
   }
   EXPECT_EQ(BackUp(From(), other.path() / "store").status().code(), Code::kRefused);
   Copied();
@@ -188,6 +188,21 @@ TEST_F(Backup, AStoreOfItsOwnIsNoPlaceForOne) {
   fs::rename(fixture_.temp.path() / "moved", From());
   EXPECT_EQ(BackUp(From(), From() / "copy").status().code(), Code::kRefused);
   EXPECT_EQ(BackUp(From(), From()).status().code(), Code::kRefused);
+}
+
+TEST_F(Backup, OneThatEndedAtItsBeginningIsInNobodysWay) {
+  {
+    ASSERT_TRUE(StoreFolder::Open(To()).ok());
+  }
+  ASSERT_TRUE(fs::exists(To() / "version"));
+  EXPECT_EQ(Copied().jobs, 1U);
+  EXPECT_TRUE(IsWhole());
+  const fs::path mine = fixture_.temp.path() / "mine";
+  {
+    ASSERT_TRUE(StoreFolder::Open(mine).ok());
+  }
+  std::ofstream(mine / "blobs" / "thesis.tex") << "text";
+  EXPECT_EQ(BackUp(From(), mine).status().code(), Code::kRefused);
 }
 
 TEST_F(Backup, WhatHasLostItsCheckpointsIsNotTakenForDeleted) {

@@ -299,3 +299,65 @@ simulate log.h5
 exits 1 env PATH="$PWD/slurm:$PATH" cairn run landmark_map log.h5 --out map --on slurm --sbatch=--partition=long
 says 'invalid partition specified: long'
 [ ! -e map ] || die "a job that Slurm did not take has left $(find map)"
+# Nor one of which it says no number, or fails after it has said one.
+on_slurm() { env PATH="$PWD/slurm:$PATH" cairn run landmark_map log.h5 --out map --on slurm "$@"; }
+for answer in 'echo' 'echo queue full' 'echo 123; exit 1'; do
+  printf '#!/bin/sh\n%s\n' "$answer" >slurm/sbatch
+  exits 1 on_slurm
+  [ ! -e map ] || die "a job that Slurm did not take has left $(find map)"
+done
+# Keys, list of keys and links that somebody has put there.
+cat >slurm/sbatch <<'EOF'
+#!/bin/sh
+cat >script
+echo '123;cluster'
+EOF
+mkdir -p map victim
+chmod 755 victim
+ln -s ../victim map/.on-slurm
+refuses 'map/.on-slurm is there already, and is no folder of your own' on_slurm
+[ -z "$(ls victim)" ] && [ "$(stat -c %a victim)" = 755 ] || die "a link was followed: $(ls -la victim)"
+rm map/.on-slurm
+mkdir -m 755 map/.on-slurm
+refuses 'no folder of your own that nobody else may enter' on_slurm
+chmod 700 map/.on-slurm
+ln -s ../../victim/log map/.on-slurm/log
+refuses 'map/.on-slurm/log is a link' on_slurm
+rm map/.on-slurm/log
+exits 0 cairn keys new client --dir map/.on-slurm
+cp map/.on-slurm/client.key known
+rm map/.on-slurm/client.pub
+printf '%s submitter mine\n' "$(head -c 40 /dev/zero | tr '\0' a)" >map/.on-slurm/allowed
+exits 0 on_slurm
+says "^submitted as Slurm's job 123; "
+! cmp -s known map/.on-slurm/client.key || die "a key that others know is taken"
+grep -q "$(cat map/.on-slurm/client.pub)" map/.on-slurm/allowed || die "its own key is not allowed"
+! grep -q aaaaaaaa map/.on-slurm/allowed || die "a key that somebody has put there is allowed"
+# One that works there is left alone.
+echo 123 >map/.on-slurm/job
+printf '#!/bin/sh\necho 99\necho 123\n' >slurm/squeue
+chmod +x slurm/squeue
+cp map/.on-slurm/client.key known
+refuses "Slurm's job 123 works in .*map already" on_slurm
+cmp -s known map/.on-slurm/client.key || die "the keys of a job that works there were changed"
+# What it has started ends with it: the scaler is gone before its workers are cancelled.
+cat >slurm/cairn <<'EOF'
+#!/bin/sh
+case $1 in
+scale)
+  trap 'echo ended >>order; exit' TERM
+  echo scales >>order
+  while :; do sleep 0.05; done ;;
+submit) echo '{"id": "1-a"}' ;;
+coordinator) exec sleep 600 ;;
+watch) until [ -e order ]; do sleep 0.05; done ;;
+esac
+EOF
+printf '#!/bin/sh\necho "7 slurm-$NAME-0"\n' >slurm/squeue
+printf '#!/bin/sh\necho "cancels $*" >>order\n' >slurm/scancel
+printf '#!/bin/sh\necho NodeAddr=127.0.0.1\n' >slurm/scontrol
+chmod +x slurm/*
+sed -i "s|^cairn=.*|cairn='$PWD/slurm/cairn'|" script
+NAME=$(sed -n 's/^name=//p' script)
+exits 0 env NAME="$NAME" SLURM_JOB_ID=123 SLURMD_NODENAME=x PATH="$PWD/slurm:$PATH" sh script
+[ "$(paste -sd, order)" = 'scales,ended,cancels 7' ] || die "not in this order: $(cat order)"

@@ -1,8 +1,14 @@
 #include "coordinator/cli/commands/on_slurm.h"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <numeric>
+#include <sstream>
 
 #include "coordinator/cli/common/allow_list_file.h"
 #include "coordinator/cli/common/failure.h"
@@ -11,6 +17,8 @@
 #include "coordinator/scale/engines/slurm_engine.h"
 #include "schema/hash.h"
 #include "schema/store/atomic_file.h"
+#include "schema/store/regular_file.h"
+#include "schema/text.h"
 #include "schema/wire/keys.h"
 
 namespace cairn::cli {
@@ -27,11 +35,12 @@ at=tcp://${address:-$(hostname)}:$port
 client() {
   command=$1
   shift
-  "$cairn" "$command" "$@" --connect "$at" --key "$own/client.key" --server-key "$own/coordinator.pub"
+  $exec "$cairn" "$command" "$@" --connect "$at" --key "$own/client.key" --server-key "$own/coordinator.pub"
 }
+exec=
 scaler=
 end() {
-  kill $scaler 2>/dev/null
+  [ -z "$scaler" ] || { kill "$scaler"; wait "$scaler"; } 2>/dev/null
   squeue -h --me -o '%A %j' | sed -n "s/^\([0-9]*\) slurm-$name-[0-9]*$/\1/p" | sort -u | xargs -r scancel
   kill "$coordinator" 2>/dev/null
   wait
@@ -42,6 +51,7 @@ told() {
   [ "$state" != RUNNING ] || scontrol requeue "$SLURM_JOB_ID"
   exit 143
 }
+echo "$SLURM_JOB_ID" >"$own/job"
 "$cairn" coordinator --take-over --store "$own/store" --listen "tcp://*:$port" --keys "$own" &
 coordinator=$!
 trap told TERM
@@ -51,7 +61,7 @@ until client list >/dev/null 2>&1; do
 done
 client submit --json >"$own/submitted" "$@" || { end; exit 2; }
 id=$(sed -n 's/.*"id": *"\([^"]*\)".*/\1/p' "$own/submitted" | head -n 1)
-scale &
+{ exec=exec; scale; } &
 scaler=$!
 client watch "$id" &
 wait $!
@@ -95,10 +105,48 @@ std::uint64_t NumberOf(const std::string& folder) {
                          [](std::uint64_t sum, std::uint8_t byte) { return 256 * sum + byte; });
 }
 
+// Whoever hands on a folder must not choose who may enter, or which other files are written.
+void MakeOwnFolder(const fs::path& own) {
+  std::error_code error;
+  fs::create_directories(own.parent_path(), error);
+  if (error) Throw(SystemFailure(own, "cannot make the folder", error.value()));
+  if (::mkdir(own.c_str(), 0700) != 0 && errno != EEXIST)
+    Throw(SystemFailure(own, "cannot make the folder", errno));
+  struct stat is{};
+  if (::lstat(own.c_str(), &is) != 0) Throw(SystemFailure(own, "look at", errno));
+  if (!S_ISDIR(is.st_mode) || is.st_uid != ::geteuid() || (is.st_mode & 077) != 0)
+    throw InputError(own.string() +
+                     " is there already, and is no folder of your own that nobody else may enter: remove it, "
+                     "or name another --out");
+  for (const fs::directory_entry& entry : fs::directory_iterator(own))
+    if (entry.is_symlink())
+      throw InputError(entry.path().string() + " is a link; a run keeps what it needs in its own folder");
+}
+
+// Its keys must stay as they are, and the store is its own.
+void RefuseWhereOneRuns(const fs::path& own) {
+  constexpr std::size_t kMostBytes = 64;
+  const Result<std::string> started = ReadSmallFile(own / "job", kMostBytes);
+  const std::string number = started.ok() ? coordinator::SlurmJobNumber(started.value()) : "";
+  if (number.empty()) return;
+  constexpr double kLimit_s = 30;
+  const coordinator::ProgramOutput queue =
+      coordinator::RunPrograms({{{"squeue", "-h", "--me", "-o", "%A"}, ""}}, kLimit_s)[0];
+  if (queue.exit_code != 0) throw WorldError(coordinator::SlurmFailure(queue));
+  std::istringstream lines(queue.out);
+  for (std::string line; std::getline(lines, line);)
+    if (line == number)
+      throw InputError("Slurm's job " + number + " works in " + own.parent_path().string() +
+                       " already; `scancel " + number + "` ends it");
+}
+
+// Anew for each submission: those that lie there may be known to others.
 void MakeKeys(const fs::path& own) {
+  for (const char* old : {"coordinator.key", "coordinator.pub", "client.key", "client.pub", kAllowListName,
+                          "keys"})  // those of workers
+    fs::remove_all(own / old);
   for (const char* name : {"coordinator", "client"})
-    if (!fs::exists(own / (std::string(name) + ".key")))
-      Check(wire::WriteKeyPair(own / name, wire::GenerateKeyPair()));
+    Check(wire::WriteKeyPair(own / name, wire::GenerateKeyPair()));
   AllowKey(own / kAllowListName, Take(wire::ReadPublicKey(own / "client.pub")),
            {.roles = {.submitter = true}, .limits = {}, .name = "client"});
 }
@@ -127,9 +175,8 @@ int RunOnSlurm(const OnSlurmArguments& arguments) {
   const fs::path out = fs::absolute(arguments.out), own = out / ".on-slurm";
   std::error_code error;
   const bool is_new = !fs::exists(own), is_new_out = !fs::exists(out);
-  fs::create_directories(own, error);
-  if (!error) fs::permissions(own, fs::perms::owner_all, error);
-  if (error) Throw(SystemFailure(own, "cannot make the folder", error.value()));
+  MakeOwnFolder(own);
+  RefuseWhereOneRuns(own);
   MakeKeys(own);
   const fs::path program = fs::path(WorkerProgram()).parent_path() / "cairn";
   coordinator::Program sbatch{
@@ -139,14 +186,18 @@ int RunOnSlurm(const OnSlurmArguments& arguments) {
   sbatch.words.insert(sbatch.words.end(), arguments.sbatch.begin(), arguments.sbatch.end());
   constexpr double kMonth_s = 30 * 86400;  // it may wait for the job
   const coordinator::ProgramOutput output = coordinator::RunPrograms({sbatch}, kMonth_s)[0];
-  if (output.exit_code != 0 && output.out.empty()) {
+  const std::string number = coordinator::SlurmJobNumber(output.out);
+  const bool waited = std::ranges::any_of(
+      arguments.sbatch, [](const std::string& option) { return option == "--wait" || option == "-W"; });
+  if (number.empty() || (output.exit_code != 0 && !waited)) {  // it ends as the job does where it waits
     if (is_new) fs::remove_all(own, error);
     if (is_new_out) fs::remove(out, error);
-    throw WorldError(coordinator::SlurmFailure(output));
+    throw WorldError(output.exit_code != 0
+                         ? coordinator::SlurmFailure(output)
+                         : "sbatch said no number of a job, but '" + Printable(output.out, 100) + "'");
   }
-  std::printf("submitted as Slurm's job %s; results come into %s, what happens is in %s\n",
-              output.out.substr(0, output.out.find_first_of(";\n")).c_str(), out.c_str(),
-              (own / "log").c_str());
+  std::printf("submitted as Slurm's job %s; results come into %s, what happens is in %s\n", number.c_str(),
+              out.c_str(), (own / "log").c_str());
   return output.exit_code;
 }
 

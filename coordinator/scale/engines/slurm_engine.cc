@@ -55,6 +55,12 @@ std::string SlurmFailure(const ProgramOutput& output) {
   return output.failure;
 }
 
+std::string SlurmJobNumber(const std::string& printed) {
+  std::uint64_t number = 0;
+  std::string text = printed.substr(0, printed.find_first_of(";\n"));
+  return ReadNumber(text, number) ? text : "";
+}
+
 std::string ArrayScript(const SlurmOptions& options, std::uint64_t first) {
   std::string script = "#!/bin/sh\numask 077\nname=" + ShellWord(options.prefix) + "$((" +
                        std::to_string(first) + " + SLURM_ARRAY_TASK_ID))\nexec " + ShellWord(options.worker) +
@@ -150,7 +156,9 @@ Engine::Started SlurmEngine::Start(const std::vector<std::string>& names) {
   program.words.insert(program.words.end(), options_.sbatch.begin(), options_.sbatch.end());
   const ProgramOutput output = run_(program);
   if (output.exit_code != 0) return {{}, {Code::kRefused, SlurmFailure(output)}};
-  const std::string id = output.out.substr(0, output.out.find_first_of(";\n"));
+  const std::string id = SlurmJobNumber(output.out);
+  if (id.empty())
+    return {{}, {Code::kIo, "sbatch said no number of a job, but '" + Printable(output.out, 100) + "'"}};
   for (std::size_t i = 0; i < names.size(); ++i) ids_[names[i]] = id + "_" + std::to_string(i);
   return {names, Status::Ok()};
 }

@@ -29,6 +29,8 @@ struct SlurmOptions {
 
 // Why one of Slurm's commands failed, and where it is missing what to do, for people.
 std::string SlurmFailure(const ProgramOutput& output);
+// Of what `sbatch --parsable` printed: NUMBER or NUMBER;CLUSTER. Empty where it is neither.
+std::string SlurmJobNumber(const std::string& printed);
 // The script of an array whose first worker has that number.
 std::string ArrayScript(const SlurmOptions& options, std::uint64_t first);
 // Of `squeue -h -r -o '%j|%K|%t|%N|%r|%i'`; jobs of others are left out. `ids`: by name, what Slurm calls it.
