@@ -331,7 +331,7 @@ printf '%s submitter mine\n' "$(head -c 40 /dev/zero | tr '\0' a)" >map/.on-slur
 exits 0 on_slurm
 says "^submitted as Slurm's job 123; "
 ! cmp -s known map/.on-slurm/client.key || die "a key that others know is taken"
-grep -q "$(cat map/.on-slurm/client.pub)" map/.on-slurm/allowed || die "its own key is not allowed"
+grep -qF -e "$(cat map/.on-slurm/client.pub)" map/.on-slurm/allowed || die "its own key is not allowed"
 ! grep -q aaaaaaaa map/.on-slurm/allowed || die "a key that somebody has put there is allowed"
 # One that works there is left alone.
 echo 123 >map/.on-slurm/job
