@@ -55,7 +55,7 @@ class Reader {
       throw UnknownMessage(message);
     }
     ++report_->read[message];
-    log_.events.push_back(std::move(event));
+    log_.events.push_back(event);
   }
 
   CarmenLog Take() { return std::move(log_); }
