@@ -3,9 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <utility>
 
 #include "datasets/export/graph_lines.h"
 #include "datasets/export/odometry_track.h"
@@ -138,38 +136,13 @@ class Observer {
   SeenWidths widths_;
 };
 
-constexpr double kCauchySigmas = 3;  // at which an observation counts half
-
-// How many successive observations of a landmark tell as much as one whose errors are its own, along the ray
-// and across it: by their correlation, (1 + r) / (1 - r) of a first-order process.
-Eigen::Vector2d RepeatsIn(const std::vector<SeenLandmark>& all) {
-  std::map<std::pair<std::size_t, std::size_t>, Eigen::Vector2d> before;  // by robot and landmark
-  Eigen::Vector2d products = Eigen::Vector2d::Zero(), squares = Eigen::Vector2d::Zero();
-  double pairs = 0;
-  for (const SeenLandmark& seen : all) {
-    if (seen.contact) continue;
-    const Eigen::Vector2d off = seen.off.cwiseMin(kCauchySigmas).cwiseMax(-kCauchySigmas);
-    const auto [last, is_new] = before.try_emplace({seen.robot, seen.landmark}, off);
-    if (!is_new) {
-      products += off.cwiseProduct(last->second);
-      squares += 0.5 * (off.cwiseAbs2() + last->second.cwiseAbs2());
-      ++pairs;
-      last->second = off;
-    }
-  }
-  Eigen::Vector2d repeats(1, 1);
-  for (int k = 0; k < 2; ++k) {
-    constexpr double kMost = 0.95, kSignificant = 3;
-    const double correlation = pairs > 0 ? std::min(kMost, products[k] / squares[k]) : 0;
-    if (correlation > kSignificant / std::sqrt(pairs)) repeats[k] = (1 + correlation) / (1 - correlation);
-  }
-  return repeats;
-}
-
-std::string EdgeTo(const SeenLandmark& seen, const Eigen::Vector2d& repeats, std::size_t first_landmark_id) {
-  const Eigen::Vector2d share =
-      seen.contact ? Eigen::Vector2d(1, 1) : Eigen::Vector2d(repeats.cwiseInverse());
-  const double weight = 1 / (1 + seen.off.cwiseAbs2().dot(share) / Square(kCauchySigmas));
+// As the least squares weighs it in the end.
+std::string EdgeTo(const SeenLandmark& seen, const kinds::LandmarkMap::Fit& fit,
+                   std::size_t first_landmark_id) {
+  constexpr double kCauchySigmas = 3;  // what older files were made with
+  Eigen::Vector2d share(1, 1);
+  if (!seen.contact) share << 1 / fit.repeats_along.Or(1), 1 / fit.repeats_across.Or(1);
+  const double weight = 1 / (1 + seen.off.cwiseAbs2().dot(share) / Square(fit.tail_sigmas.Or(kCauchySigmas)));
   const Eigen::Vector2d weights = weight * share.cwiseQuotient(seen.sd_m.cwiseAbs2());
   return LandmarkEdge(seen.vertex, first_landmark_id + seen.landmark, seen.At(),
                       seen.to_ray.transpose() * weights.asDiagonal() * seen.to_ray);
@@ -197,8 +170,7 @@ std::string LandmarkMapEdges(const kinds::LandmarkMap& map, const kinds::Log& lo
     Observer(map, log, path, id, track).AddTo(&all);
     id += path.poses.size();
   }
-  const Eigen::Vector2d repeats = RepeatsIn(all);
-  for (const SeenLandmark& seen : all) text += EdgeTo(seen, repeats, id);
+  for (const SeenLandmark& seen : all) text += EdgeTo(seen, map.fit, id);
   return text;
 }
 

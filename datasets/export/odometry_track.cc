@@ -61,10 +61,16 @@ OdometryMotion OdometryTrack::Integral(const std::vector<Control>& controls) con
   OdometryMotion motion;
   Pose& at = motion.pose;
   Eigen::Matrix3d& covariance = motion.covariance;
-  for (const Control& control : controls) {
-    const double length = std::abs(control.forward_m), turned = std::abs(control.turn_rad);
+  double drifted = 0;
+  for (std::size_t i = 0; i < controls.size(); ++i) {
+    const Control& control = controls[i];
+    const double length = std::abs(control.forward_m);
     // The drift turns half before the way and half after it.
     const double half = 0.5 * errors_.drift_rad_per_m * length;
+    // What odometry counts for its drift, before this way and after the one before, no wheel has turned.
+    const double said = control.turn_rad - drifted - half;
+    const double turned = std::abs(i + 1 < controls.size() ? said : said - half);
+    drifted = half;
     covariance(2, 2) += Square(errors_.turn_rad_per_sqrt_rad) * turned;
     at.heading_rad += errors_.turn_scale * control.turn_rad - half;
     const Eigen::Vector3d along(std::cos(at.heading_rad), std::sin(at.heading_rad), 0);

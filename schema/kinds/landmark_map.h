@@ -138,7 +138,8 @@ struct LandmarkMap {
     Texts kind;
     Column<double> stated, found, longest_run_from_s, worst_time_s, worst_sigmas, worst_odometry_s,
         odometry_break_lead_nats, fewest_common_s, one_sided_s, most_one_sided_s, shift_m, shift_from_s,
-        shift_until_s, shift_lead_nats, few_common_lead_nats, false_ratio;
+        shift_until_s, shift_lead_nats, few_common_lead_nats, false_ratio, repeats_along, repeats_across,
+        tail_sigmas;
     Column<std::int64_t> observations, misfits, longest_run, odometry_misfits, fewest_common, one_sided,
         two_sided, most_one_sided;
     Column<std::int32_t> worst_robot;
@@ -150,6 +151,9 @@ struct LandmarkMap {
       field({"told", "F", YesNo()}, &Fit::told);
       field({"stated", "F", NotNegative()}, &Fit::stated);
       field({"found", "F", NotNegative()}, &Fit::found);
+      field({"repeats_along", "", From(1)}, &Fit::repeats_along);
+      field({"repeats_across", "", From(1)}, &Fit::repeats_across);
+      field({"tail_sigmas", "", Positive()}, &Fit::tail_sigmas);
       field({"observations", "", From(0)}, &Fit::observations);
       field({"misfits", "", From(0)}, &Fit::misfits);
       field({"longest_run", "", From(0)}, &Fit::longest_run);

@@ -249,13 +249,13 @@ void ExpectToStay(const Blob& log, double most_moved_m) {
 }
 
 TEST(ExportedGraph, OfFourRobotsThatDetectContactsStaysAtTheMap) {
-  ExpectToStay(datasets::SimulateLoop({.difficulty = "base", .robots = 4, .seed = 1}), 0.3);
+  ExpectToStay(datasets::SimulateLoop({.difficulty = "base", .robots = 4, .seed = 1}), 0.2);
 }
 
 TEST(ExportedGraph, OfRangesAndBearingsStaysAtTheMap) {
   datasets::SimulateLoopOptions world{.difficulty = "base", .robots = 2, .seed = 3};
   world.sensing = {.sensor = "range-bearing", .identities = true};
-  ExpectToStay(datasets::SimulateLoop(world), 0.025);
+  ExpectToStay(datasets::SimulateLoop(world), 0.010);
 }
 
 TEST(ExportedGraph, OfALocalMapStaysAtThePath) {

@@ -108,6 +108,8 @@ ModelFit FitOf(const LeastSquaresProblem& nominal, const LeastSquaresProblem& pr
   constexpr std::size_t kWorst = 10;
   ModelFit fit;
   fit.widths = WidthsOf(nominal, problem);
+  fit.repeats = problem.repeats;
+  fit.tail_sigmas = problem.tail_sigmas;
   const std::vector<double> sigmas = SightingSigmas(problem, point);
   fit.off_m = SightingErrors_m(problem, point);
   std::int64_t run = 0;
@@ -158,6 +160,9 @@ Blob ModelFit::ToBlob(const std::vector<Landmark>& landmarks, int types) const {
   fit.kind = cairn::ColumnOf(widths, &Width::kind);
   fit.stated = cairn::ColumnOf(widths, &Width::stated);
   fit.found = cairn::ColumnOf(widths, &Width::found);
+  fit.repeats_along = repeats.along;
+  fit.repeats_across = repeats.across;
+  fit.tail_sigmas = tail_sigmas;
   fit.observations = observations;
   fit.misfits = misfits;
   fit.longest_run = longest_run;

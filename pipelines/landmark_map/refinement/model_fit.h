@@ -32,6 +32,8 @@ struct ModelFit {
     double time_s = 0, sigmas = 0;
   };
   std::vector<Width> widths;
+  SightingRepeats repeats;
+  double tail_sigmas = kCauchySigmas;
   std::int64_t observations = 0, misfits = 0;
   // The longest run of one robot's observations that do not fit, one after the other.
   std::int64_t longest_run = 0;
