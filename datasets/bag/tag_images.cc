@@ -89,7 +89,9 @@ class InfoReader : public TopicReader {
  public:
   explicit InfoReader(TagCamera* camera) : camera_(*camera) {}
   std::vector<std::string> paths() const override {
-    return {"K", "k", "D", "d", "P", "p", "distortion_model"};
+    return {"K",           "k",         "D",     "d",      "P",         "p",          "distortion_model",
+            "binning_x",   "binning_y", "width", "height", "roi.width", "roi.height", "roi.x_offset",
+            "roi.y_offset"};
   }
   std::size_t needed() const override { return 0; }
   void Take(const std::vector<Found>& found, const Message&, TopicClock*) override {
@@ -113,10 +115,25 @@ class InfoReader : public TopicReader {
     const auto finite = [](double value) { return std::isfinite(value); };
     if (!std::ranges::all_of(matrix, finite) || !std::ranges::all_of(distortion, finite))
       throw LineError{"no camera", "its numbers are not finite; --camera says what it is like"};
+    SetPart(found, &camera);
     camera_.camera_ = camera;
   }
 
  private:
+  // The message's camera is that of the whole sensor; the image shows a part of it, or fewer pixels.
+  void SetPart(const std::vector<Found>& found, Camera* camera) {
+    const auto at_least_1 = [&](std::size_t i) { return std::max<std::size_t>(1, FirstCount(found[i])); };
+    const std::size_t every_column = at_least_1(7), every_row = at_least_1(8);
+    const std::size_t columns = FirstCount(found[11]) > 0 ? FirstCount(found[11]) : FirstCount(found[9]),
+                      rows = FirstCount(found[12]) > 0 ? FirstCount(found[12]) : FirstCount(found[10]);
+    const auto of_column = static_cast<double>(every_column), of_row = static_cast<double>(every_row);
+    camera->fx /= of_column;
+    camera->fy /= of_row;
+    camera->cx = (camera->cx - FirstNumber(found[13])) / of_column;
+    camera->cy = (camera->cy - FirstNumber(found[14])) / of_row;
+    if (columns > 0 && rows > 0) camera_.camera_size_ = {columns / every_column, rows / every_row};
+  }
+
   TagCamera& camera_;
 };
 
@@ -182,8 +199,14 @@ void TagCamera::Look() {
 
 void TagCamera::TakeLine(const std::string& line, double time_s, std::size_t number) {
   std::istringstream words(line);
+  Size size;
   std::size_t count = 0;
-  words >> count;
+  words >> size.columns >> size.rows >> count;
+  if (!size_) size_ = size;
+  if (size != *size_) {
+    ++of_other_size_;
+    return;
+  }
   for (std::size_t i = 0; i < count; ++i) {
     Corners& tag = corners_.emplace_back(Corners{time_s, number, "", {}});
     words >> tag.id;
@@ -199,6 +222,13 @@ void TagCamera::Finish(ImportReport* report) {
     throw InputError(source_.topic +
                      ": no camera_info beside it says what its camera is like: --camera "
                      "FX,FY,CX,CY[,K1,K2,P1,P2,K3]");
+  const auto text = [](const Size& size) {
+    return std::to_string(size.columns) + " by " + std::to_string(size.rows) + " pixels";
+  };
+  if (camera_size_ && size_ && *size_ != *camera_size_)
+    throw InputError(source_.topic + ": its images are of " + text(*size_) + ", its camera_info is of " +
+                     text(*camera_size_) +
+                     ": --camera FX,FY,CX,CY[,K1,K2,P1,P2,K3] says what the images' is like");
   double squares_px2 = 0;
   for (const Corners& one : corners_) {
     const auto located = LocateTag(one.corners, *camera_, source_.size_m);
@@ -223,6 +253,8 @@ void TagCamera::Finish(ImportReport* report) {
   report->read["tags in " + std::to_string(images_) + " images of " + source_.topic] =
       static_cast<std::int64_t>(seen_.size());
   if (undecoded_ > 0) report->dropped["image of " + source_.topic + " that cannot be decoded"] = undecoded_;
+  if (of_other_size_ > 0)
+    report->dropped["image of " + source_.topic + " of another size than the first"] = of_other_size_;
 }
 
 }  // namespace cairn::datasets::bag

@@ -60,10 +60,16 @@ class TagCamera {
   std::function<std::string(const std::string& family, const std::string& images)> find_tags_;
   std::string frame_;
   std::optional<Camera> camera_;
-  std::string waiting_;                               // images, as the detector takes them
+  struct Size {
+    std::size_t columns = 0, rows = 0;
+    bool operator==(const Size&) const = default;
+  };
+  std::optional<Size> camera_size_;  // of the images that the camera is of, where that is said
+  std::optional<Size> size_;         // of the first image
+  std::string waiting_;              // images, as the detector takes them
   std::vector<std::pair<double, std::size_t>> when_;  // of each of them: time, number
   std::vector<Corners> corners_;
-  std::int64_t images_ = 0, undecoded_ = 0;
+  std::int64_t images_ = 0, undecoded_ = 0, of_other_size_ = 0;
   std::vector<Seen> seen_;
 };
 

@@ -19,7 +19,9 @@ class TagImagesTest : public ImportBagTest {
   Camera camera_{400, 410, 320, 240, {-0.1, 0.01, 0, 0, 0, 0, 0, 0}};
   std::vector<BagMessage> messages_ = bag::SmallDrive(To::kCdr);
   std::string images_;  // that the detector was given
-  std::string second_ = "0";
+  std::string second_ = "640 480 0";
+  std::string size_ = "640 480";            // of the first
+  std::array<std::uint32_t, 6> part_ = {};  // binning in x and y; the ROI's x, y, height, width
 
   void SetUp() override {
     options_.tags = {"/camera/image_raw=0.2"};
@@ -28,7 +30,7 @@ class TagImagesTest : public ImportBagTest {
       EXPECT_EQ(family, "tag36h11");
       images_ += images;
       std::ostringstream line;
-      line << "1 7";
+      line << size_ << " 1 7";
       for (const auto& [x, y] : {std::pair(-0.1, 0.1), {0.1, 0.1}, {0.1, -0.1}, {-0.1, -0.1}}) {
         const Eigen::Vector2d px = camera_.Project({0.5 + x, y, 2});
         line << ' ' << px.x() << ' ' << px.y();
@@ -53,7 +55,7 @@ class TagImagesTest : public ImportBagTest {
     out.Put<std::uint32_t>(5).Doubles({camera_.distortion[0], camera_.distortion[1], 0, 0, 0});
     out.Doubles({camera_.fx, 0, camera_.cx, 0, camera_.fy, camera_.cy, 0, 0, 1});
     for (int i = 0; i < 9 + 12; ++i) out.Put(0.0);
-    for (int i = 0; i < 6; ++i) out.Put<std::uint32_t>(0);
+    for (const std::uint32_t number : part_) out.Put(number);
     out.Put<std::uint8_t>(0);
     return {"/camera/camera_info", "sensor_msgs/CameraInfo", 1000, out.text()};
   }
@@ -105,13 +107,38 @@ TEST_F(TagImagesTest, TfSaysWhereTheCameraIs) {
   ExpectTag(0.3 - 2, 0.5);
 }
 
+// As image_geometry has it: camera_info is of the whole sensor, of which the image shows a part, or every
+// second column and third row.
+TEST_F(TagImagesTest, APartOfTheSensorIsThatPart) {
+  const auto with_part = [&](const std::array<std::uint32_t, 6>& part) {
+    part_ = part;
+    std::erase_if(messages_, [](const BagMessage& one) { return one.topic == "/camera/camera_info"; });
+    messages_.push_back(Info());
+  };
+  with_part({2, 3, 40, 60, 240, 300});
+  camera_ = {200, 410.0 / 3, 140, 60, camera_.distortion};
+  size_ = "150 80";
+  second_ = "150 80 0";
+  ImportMcap();
+  ExpectTag(2.1, -0.5);
+  second_ = "640 480 1 8 0 0 10 0 10 10 0 10";
+  EXPECT_EQ(ImportMcap().dropped.at("image of /camera/image_raw of another size than the first"), 1);
+  // Images that somebody made smaller, and did not say so.
+  second_ = "320 240 0";
+  size_ = "320 240";
+  ExpectContains(
+      Refusal(bag::McapBytes(messages_)),
+      "/camera/image_raw: its images are of 320 by 240 pixels, its camera_info is of 150 by 80 pixels: "
+      "--camera");
+}
+
 TEST_F(TagImagesTest, WhatCannotBeUsedIsSaidOrCounted) {
   second_ = "!it cannot be decoded";
   EXPECT_EQ(ImportMcap().dropped.at("image of /camera/image_raw that cannot be decoded"), 1);
-  second_ = "1 8 0 0 10 0 500 10 7 300";
+  second_ = "640 480 1 8 0 0 10 0 500 10 7 300";
   EXPECT_EQ(ImportMcap().dropped.at("tag whose corners fit no square of its size"), 1);
   const auto refusal = [&] { return Refusal(bag::McapBytes(messages_)); };
-  second_ = "1 8 0 0";
+  second_ = "640 480 1 8 0 0";
   ExpectContains(refusal(), "does not say a tag's corners");
   messages_.push_back(ImageOf(1003, "float32", 4));
   ExpectContains(refusal(), "an image of an encoding that is not known: float32");
@@ -120,7 +147,7 @@ TEST_F(TagImagesTest, WhatCannotBeUsedIsSaidOrCounted) {
   ExpectContains(refusal(), "a message that does not match its definition");
   messages_.pop_back();
   std::erase_if(messages_, [](const BagMessage& one) { return one.topic == "/camera/camera_info"; });
-  second_ = "0";
+  second_ = "640 480 0";
   ExpectContains(refusal(), "no camera_info beside it says what its camera is like: --camera");
   const double fx = camera_.fx;
   camera_.fx = std::numeric_limits<double>::infinity();

@@ -1,6 +1,7 @@
 #include "datasets/images/decode_image.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <opencv2/imgcodecs.hpp>
 
 namespace cairn::datasets {
@@ -8,11 +9,12 @@ namespace {
 
 // The mean of a square of `side` pixels, rounded.
 std::uint8_t Mean(const cv::Mat& bgr, int row, int column, int channel, int side) {
-  int sum = 0;
+  std::int64_t sum = 0;
   for (int r = row; r < row + side; ++r) {
     for (int c = column; c < column + side; ++c) sum += bgr.at<cv::Vec3b>(r, c)[channel];
   }
-  return static_cast<std::uint8_t>((2 * sum + side * side) / (2 * side * side));
+  const std::int64_t pixels = std::int64_t{side} * side;
+  return static_cast<std::uint8_t>((2 * sum + pixels) / (2 * pixels));
 }
 
 }  // namespace

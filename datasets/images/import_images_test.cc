@@ -210,6 +210,12 @@ TEST(DecodeImage, KeepsColoursInOrder) {
             (std::vector<std::uint8_t>{10, 20, 30}));
 }
 
+TEST(DecodeImage, OfALargeSquareTheMeanIsRight) {
+  const TestFolder folder;
+  ASSERT_TRUE(cv::imwrite(folder / "a.png", cv::Mat(2100, 2100, CV_8UC3, cv::Scalar(30, 20, 250))));
+  EXPECT_EQ(DecodeImage(folder / "a.png", 1).rgb, (std::vector<std::uint8_t>{250, 20, 30}));
+}
+
 // 7 by 11 pixels in squares of 3: 2 by 3, of which each is the mean of nine.
 TEST(DecodeImage, MakesLargeImagesSmaller) {
   const TestFolder folder;

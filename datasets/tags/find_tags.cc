@@ -100,12 +100,13 @@ std::string TagDetector::FindInAll(std::string_view images) const {
     } catch (const cv::Exception&) {
       grey.release();  // too large, or damaged in a way that the codec throws
     }
-    if (grey.empty()) {
+    constexpr int kMostSide = 32767;  // of more pixels the library ends the program
+    if (grey.empty() || std::max(grey.cols, grey.rows) > kMostSide) {
       lines += "!it cannot be decoded\n";
       continue;
     }
     const std::vector<TagInImage> tags = Find(grey);
-    lines += std::to_string(tags.size());
+    lines += std::to_string(grey.cols) + ' ' + std::to_string(grey.rows) + ' ' + std::to_string(tags.size());
     for (const TagInImage& tag : tags) {
       lines += ' ' + std::to_string(tag.id);
       for (const auto& corner : tag.corners_px)

@@ -30,7 +30,8 @@ class TagDetector {
   // Of grey pixels; those whose codes are clear.
   std::vector<TagInImage> Find(const cv::Mat& grey) const;
   // A line for each image of `images`, each of which is a line with its length and then its bytes as a file
-  // has them (PNG, JPEG, PGM): how many tags, and of each its id and its corners; or "!REASON".
+  // has them (PNG, JPEG, PGM): its columns and rows, how many tags, and of each its id and its corners; or
+  // "!REASON".
   std::string FindInAll(std::string_view images) const;
   // The tag's picture, a pixel a cell, with its white edge.
   cv::Mat Picture(int id) const;
