@@ -28,6 +28,7 @@ struct Holdings {
   std::vector<std::string> sensors = {};  // each once
   Point low = {}, high = {};              // where robots went, by poses, else by odometry
   double reach_m = 0;                     // the middle range of the sensor that sees furthest
+  double unseen_m = 0;                    // the longest way that a robot with scans observed no landmark
 
   bool HasLaser() const {
     return std::ranges::any_of(sensors, [](const std::string& name) { return name.starts_with("laser"); });
@@ -76,11 +77,30 @@ void AddPath(const kinds::Log::Robot& robot, Holdings* all) {
   }
 }
 
+// By odometry, from the first row to the last.
+double LongestWayWithoutObservation(const kinds::Log::Robot& robot) {
+  const auto times_s = robot.observations.time_s.OrNone();
+  std::vector<double> seen_s(times_s.begin(), times_s.end());
+  std::ranges::sort(seen_s);
+  double way_m = 0, longest_m = 0;
+  auto next = seen_s.begin();
+  for (std::size_t i = 0; i < robot.odometry.time_s.OrNone().size(); ++i) {
+    const bool saw = next != seen_s.end() && *next <= robot.odometry.time_s[i];
+    while (next != seen_s.end() && *next <= robot.odometry.time_s[i]) ++next;
+    way_m += std::abs(robot.odometry.forward_m[i]);
+    longest_m = std::max(longest_m, way_m);
+    if (saw) way_m = 0;
+  }
+  return longest_m;
+}
+
 void Add(const kinds::Log::Robot& robot, Holdings* all) {
   ++all->robots;
   all->observations += robot.observations.time_s.OrNone().size();
   for (const std::int32_t landmark : robot.observations.landmark.OrNone()) all->named += landmark >= 0;
+  const std::size_t before = all->with_scans;
   AddScans(robot, all);
+  if (all->with_scans > before) all->unseen_m = std::max(all->unseen_m, LongestWayWithoutObservation(robot));
   AddPath(robot, all);
 }
 
@@ -171,6 +191,14 @@ void ChooseGridOfEach(const kinds::Log& log, const Holdings& all, ChosenJob* cho
   }
 }
 
+// Whether landmarks tell best where the robots were when they scanned: where they tie several together, or
+// where there is no path of what was scanned itself. A laser shows walls all the time, a sonar hears less;
+// between landmarks a path is that of odometry.
+bool LandmarksPlaceScans(const Holdings& all, bool has_poses) {
+  constexpr double kMostUnseen_m = 20;
+  return has_poses || all.with_scans > 1 || (!all.HasLaser() && all.unseen_m <= kMostUnseen_m);
+}
+
 void ChooseGrids(const kinds::Log& log, const Holdings& all, ChosenJob* chosen) {
   const bool has_landmarks = all.observations > 0, has_poses = all.with_poses == all.robots;
   if (has_poses && !has_landmarks)
@@ -182,8 +210,11 @@ void ChooseGrids(const kinds::Log& log, const Holdings& all, ChosenJob* chosen) 
   }
   if (!has_landmarks && !has_poses && all.with_scans > 1) return ChooseGridOfEach(log, all, chosen);
   std::string poses = has_poses ? "" : "path";
-  if (has_landmarks) poses = "landmarks";
+  if (has_landmarks && LandmarksPlaceScans(all, has_poses)) poses = "landmarks";
   ChooseGrid(all, {.name = "grid", .poses = poses, .of = {}}, chosen);
+  if (has_landmarks && !has_poses && all.with_scans == 1)
+    chosen->reasons.back() += fmt::format("; `poses: {}` in the job file takes the other stage's",
+                                          poses == "path" ? "landmarks" : "path");
 }
 
 }  // namespace

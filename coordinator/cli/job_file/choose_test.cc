@@ -66,8 +66,24 @@ TEST(ChooseJob, RunsWhatTheLogHoldsDataFor) {
   EXPECT_EQ(Stages(ChooseJob(LogOf({.observations = 3}))), "landmarks landmark_map");
   EXPECT_EQ(Stages(ChooseJob(LogOf({.scans = 5}))), "path local_map; grid forward_map of path");
   EXPECT_EQ(Stages(ChooseJob(LogOf({.observations = 3, .scans = 5}))),
-            "landmarks landmark_map; path local_map; grid forward_map of landmarks");
+            "landmarks landmark_map; path local_map; grid forward_map of path");
   EXPECT_EQ(Stages(ChooseJob(LogOf({.robots = 2, .observations = 3}))), "landmarks landmark_map");
+}
+
+// A laser shows walls where no landmark is; landmarks that a robot with sonar sees all along tell more.
+TEST(ChooseJob, AGridHasThePosesOfTheStageThatSeesMore) {
+  const auto grid = [](Of of) {
+    const ChosenJob chosen = ChooseJob(LogOf(of));
+    return chosen.job.stages().rbegin()->inputs().at("poses") +
+           chosen.reasons.back().substr(chosen.reasons.back().rfind(';'));
+  };
+  const std::string path = "path; `poses: landmarks` in the job file takes the other stage's",
+                    landmarks = "landmarks; `poses: path` in the job file takes the other stage's";
+  EXPECT_EQ(grid({.observations = 3, .scans = 5}), path);
+  EXPECT_EQ(grid({.observations = 3, .scans = 5, .sensor = "sonar"}), landmarks);
+  // Observed until 0.2 s: over the second control none is.
+  EXPECT_EQ(grid({.observations = 3, .scans = 5, .sensor = "sonar", .forward_m = 21}), path);
+  EXPECT_EQ(grid({.observations = 11, .scans = 5, .sensor = "sonar", .forward_m = 11}), landmarks);
 }
 
 TEST(ChooseJob, TakesTheLogsOwnPosesWhereEveryRobotHasThem) {
