@@ -278,6 +278,14 @@ Verdict::Doubt OfScans(const kinds::LocalMap::Fit& fit, std::size_t i) {
     return {Confidence::kLow, turns + fmt::format("; the path has one by {}", Degrees(fit.path_turn_rad[i]))};
   // Loops that close afterwards would close on a path that turned wrongly there, too.
   if (of_odometry_rad > kMissed_rad) return {Confidence::kFair, turns + "; the path follows the scans"};
+  // Less does not harm a map.
+  constexpr double kMissed_m = 0.5;
+  if (fit.apart_m[i] < kMissed_m && fit.odometry_apart_m && fit.odometry_apart_m[i] >= kMissed_m)
+    return {
+        Confidence::kFair,
+        fmt::format("from {:.0f} to {:.0f} s the scans show another way than odometry, {:.1f} m apart: the "
+                    "wheels slipped, or the robot was carried; the path follows the scans",
+                    fit.from_s[i], fit.until_s[i], fit.odometry_apart_m[i])};
   return {
       Confidence::kLow,
       fmt::format("from {:.0f} to {:.0f} s the scans show another way than the path has, {:.1f} m apart: the "

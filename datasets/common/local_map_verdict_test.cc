@@ -171,6 +171,13 @@ TEST(LocalMapVerdict, WhereTheScansShowAnotherMotionIsNamed) {
       LocalMapVerdict(WithFit(map, 0, 3.14, false)).Text(),
       "low: the path closes all of 30 loops; from 150 to 153 s the scans show another way than the path "
       "has, 3.1 m apart: the wheels slipped, or the robot was carried");
+  Blob made_good = WithFit(map, 0, 0.2, false);
+  for (const char* turn : {"scans_turn_rad", "odometry_turn_rad", "path_turn_rad"})
+    made_good.PutVector(std::string("robot/0/fit/") + turn, std::vector<double>{0, 0});
+  made_good.PutVector("robot/0/fit/odometry_apart_m", std::vector<double>{0.6, 3.14});
+  EXPECT_EQ(LocalMapVerdict(made_good).Text(),
+            "fair: the path closes all of 30 loops; from 20 to 21 s the scans show another way than odometry, "
+            "0.6 m apart: the wheels slipped, or the robot was carried; the path follows the scans");
   EXPECT_EQ(
       LocalMapVerdict(WithFit(map, 0, 0, true)).Text(),
       "low: the path closes all of 30 loops; from 150 to 153 s the robot was moved, and odometry did not "

@@ -138,7 +138,7 @@ TEST(FindWallTurns, ATurnThatOdometryIsKnownToHaveMissedIsLeftOut) {
   robot.walls.angle_rad = angle;
   EXPECT_EQ(FindWallTurns(robot).places, 1U);
   const std::vector<double> from_s{499}, until_s{501}, quarter{std::numbers::pi / 2}, none{0};
-  robot.fit = {from_s, until_s, quarter, none, quarter, none, std::vector<std::uint8_t>{0}};
+  robot.fit = {from_s, until_s, quarter, none, quarter, none, none, std::vector<std::uint8_t>{0}};
   EXPECT_EQ(FindWallTurns(robot).places, 0U);
 }
 

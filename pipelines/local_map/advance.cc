@@ -145,6 +145,7 @@ class Turn {
       if (first) ShareMotion(r, watched.motion[r], scans);
       const OrientationTrack track = TrackWalls(SightsOf(scans, watched.edges_m[r]),
                                                 MissedTurns(watched.motion[r], scans), options_.orientation);
+      MakeWaysGood(watched.motion[r], &scans);
       Share(WallsName(r), WallsBlob(track, first ? nullptr : inputs_.Get(WallsName(r)).get()));
       const double scale = first ? 1 : FitScale(watched.approaches[r]);
       Correct(track, scale, &scans);

@@ -69,8 +69,9 @@ Blob RoomLog(int laps, int missing = 0, int jump_at = -1) {
   return log;
 }
 
-// The same with a laser; in its turn number `missed` its encoders stand still.
-Blob LaserRoomLog(int laps, int missed) {
+// The same with a laser; in its turn number `missed` its encoders stand still, and along its side number
+// `slips` wheels slip by 1.2 m in 2 s.
+Blob LaserRoomLog(int laps, int missed, int slips = -1) {
   const std::vector<TestWall> walls = Room();
   Rng rng(4);
   Pose pose{-1.6, -1.6, 0};
@@ -81,7 +82,9 @@ Blob LaserRoomLog(int laps, int missed) {
     pose = Compose(pose, step);
     time.push_back(0.2 * (k + 1));
     turn.push_back((turns && k / 50 == missed ? 0 : step.heading_rad * 1.01) + 0.0004 + 0.002 * rng.Normal());
-    forward.push_back(step.x_m * 1.01);
+    const int side = k / 50, along = k % 50;
+    const double slip_m = side == slips && along >= 10 && along < 20 ? 0.12 : 0;
+    forward.push_back(step.x_m * 1.01 + slip_m);
     const std::vector<double> scan = LaserScan(walls, pose, rng);
     range.insert(range.end(), scan.begin(), scan.end());
     x.push_back(pose.x_m);
@@ -216,6 +219,17 @@ TEST(LocalMap, ATurnThatOdometryMissesIsTakenFromTheScans) {
     EXPECT_NEAR(fit.path_turn_rad[0], M_PI / 2, 0.3);
     EXPECT_NEAR(fit.odometry_turn_rad[0], 0, 0.1);
   }
+}
+
+TEST(LocalMap, AWayThatWheelsSlipIsTakenFromTheScans) {
+  const Blob log = LaserRoomLog(3, -1, 5);
+  const BlobPtr map = Map(log);
+  EXPECT_LT(ErrorM(log, *map), 0.1);
+  const auto fit = Read<kinds::LocalMap>(*map).robot[0].fit;
+  ASSERT_EQ(fit.from_s.vector().size(), 1U);
+  EXPECT_NEAR(fit.from_s[0], 0.2 * (5 * 50 + 10), 1.5);
+  EXPECT_NEAR(fit.odometry_apart_m[0], 1.2, 0.3);
+  EXPECT_LT(fit.apart_m[0], 0.3);
 }
 
 TEST(LocalMap, SensorsMayBeMissing) {

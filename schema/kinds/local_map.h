@@ -31,7 +31,8 @@ struct LocalMap {
   };
   // Where the path does not move as its scans show that the robot did.
   struct Fit {
-    Column<double> from_s, until_s, scans_turn_rad, odometry_turn_rad, path_turn_rad, apart_m;
+    Column<double> from_s, until_s, scans_turn_rad, odometry_turn_rad, path_turn_rad, apart_m,
+        odometry_apart_m;
     Column<std::uint8_t> hole;
     static void Fields(const auto& field) {
       field({"from_s", "D", Finite()}, &Fit::from_s);
@@ -40,6 +41,7 @@ struct LocalMap {
       field({"odometry_turn_rad", "D", Finite()}, &Fit::odometry_turn_rad);
       field({"path_turn_rad", "D", Finite()}, &Fit::path_turn_rad);
       field({"apart_m", "D", NotNegative()}, &Fit::apart_m);
+      field({"odometry_apart_m", "D", NotNegative()}, &Fit::odometry_apart_m);
       field({"hole", "D", YesNo()}, &Fit::hole);
     }
   };

@@ -151,7 +151,7 @@ bool Follows(const Pose& path, const Pose& seen) {
 std::vector<Disagreement> ChainsOf(std::size_t watch, const std::vector<Contradiction>& found,
                                    const std::vector<Scan>& scans) {
   std::vector<Disagreement> chains;
-  Point apart;
+  Point apart, odometry_apart;
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Contradiction& c = found[i];
     if (c.watch != static_cast<std::int32_t>(watch)) continue;
@@ -163,18 +163,23 @@ std::vector<Disagreement> ChainsOf(std::size_t watch, const std::vector<Contradi
                          from.time_s - chains.back().until_s <= 2 * kWatches[watch].over_s;
     if (!follows) {
       chains.emplace_back().from_s = from.time_s;
-      apart = {};
+      apart = odometry_apart = {};
     }
-    const Pose off =
-        Compose({0, 0, chains.back().scans_turn_rad}, {c.seen.x_m - path.x_m, c.seen.y_m - path.y_m, 0});
-    apart = {apart.x_m + off.x_m, apart.y_m + off.y_m};
     Disagreement& chain = chains.back();
+    const auto add = [&](const Pose& other, Point* sum) {
+      const Pose off =
+          Compose({0, 0, chain.scans_turn_rad}, {c.seen.x_m - other.x_m, c.seen.y_m - other.y_m, 0});
+      *sum = {sum->x_m + off.x_m, sum->y_m + off.y_m};
+    };
+    add(path, &apart);
+    add(c.odometry, &odometry_apart);
     chain.until_s = to.time_s;
     chain.hole = c.hole;
     chain.scans_turn_rad += c.seen.heading_rad;
     chain.odometry_turn_rad += c.odometry.heading_rad;
     chain.path_turn_rad += path.heading_rad;
     chain.apart_m = std::hypot(apart.x_m, apart.y_m);
+    chain.odometry_apart_m = std::hypot(odometry_apart.x_m, odometry_apart.y_m);
     chain.of.push_back(i);
   }
   return chains;
@@ -186,7 +191,7 @@ double Missed(const Disagreement& chain) { return chain.scans_turn_rad - chain.o
 std::pair<double, double> Weight(const Disagreement& chain) {
   if (chain.hole) return {};
   const double turn = std::max(std::abs(chain.scans_turn_rad - chain.path_turn_rad), std::abs(Missed(chain)));
-  return {turn >= kLeastTurn_rad ? turn : 0, chain.apart_m};
+  return {turn >= kLeastTurn_rad ? turn : 0, std::max(chain.apart_m, chain.odometry_apart_m)};
 }
 
 }  // namespace
@@ -226,6 +231,31 @@ std::vector<double> MissedTurns(const std::vector<Contradiction>& found, const s
   }
   std::partial_sum(more.begin(), more.end(), more.begin());
   return more;
+}
+
+void MakeWaysGood(const std::vector<Contradiction>& found, std::vector<Scan>* scans) {
+  std::vector<Point> more(scans->size());
+  for (const Disagreement& chain : Disagreements(found, *scans)) {
+    if (chain.hole || chain.odometry_apart_m < kLeast_m) continue;
+    for (const std::size_t i : chain.of) {
+      const Contradiction& c = found[i];
+      const double heading_rad = (*scans)[static_cast<std::size_t>(c.from)].pose.heading_rad;
+      const Pose way =
+          Compose({0, 0, heading_rad}, {c.seen.x_m - c.odometry.x_m, c.seen.y_m - c.odometry.y_m, 0});
+      const auto steps = static_cast<double>(c.to - c.from);
+      for (std::int64_t s = c.from + 1; s <= c.to; ++s) {
+        const auto at = static_cast<std::size_t>(s);
+        more[at] = {more[at].x_m + way.x_m / steps, more[at].y_m + way.y_m / steps};
+        (*scans)[at].slipped = true;
+      }
+    }
+  }
+  Point sum;
+  for (std::size_t s = 0; s < scans->size(); ++s) {
+    sum = {sum.x_m + more[s].x_m, sum.y_m + more[s].y_m};
+    (*scans)[s].pose.x_m += sum.x_m;
+    (*scans)[s].pose.y_m += sum.y_m;
+  }
 }
 
 }  // namespace cairn::local_map

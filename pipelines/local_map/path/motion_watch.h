@@ -69,7 +69,8 @@ class MotionWatch {
 struct Disagreement {
   double from_s = 0, until_s = 0;
   double scans_turn_rad = 0, odometry_turn_rad = 0, path_turn_rad = 0;  // summed over the stretch
-  double apart_m = 0;  // by which the ways of the scans and of the path differ
+  double apart_m = 0;           // by which the ways of the scans and of the path differ
+  double odometry_apart_m = 0;  // and those of the scans and of odometry
   bool hole = false;
   std::vector<std::size_t> of;  // contradictions that say so
   static void Fields(const auto& field) {
@@ -79,11 +80,12 @@ struct Disagreement {
     field("odometry_turn_rad", &Disagreement::odometry_turn_rad);
     field("path_turn_rad", &Disagreement::path_turn_rad);
     field("apart_m", &Disagreement::apart_m);
+    field("odometry_apart_m", &Disagreement::odometry_apart_m);
     field("hole", &Disagreement::hole);
   }
 };
 
-// Of what was found along dead reckoning, where odometry does not turn as the scans show it, and where the
+// Of what was found along dead reckoning, where odometry does not move as the scans show it, and where the
 // path of `scans` does not move so. Contradictions that follow each other are one; those that are too little
 // to harm a map, as where a clock is off, are left out. In order of time, none during another.
 std::vector<Disagreement> Disagreements(const std::vector<Contradiction>& found,
@@ -92,5 +94,7 @@ std::vector<Disagreement> Disagreements(const std::vector<Contradiction>& found,
 // By how much more than odometry the robot has turned at each scan, as the scans show it where both disagree
 // much; empty where they nowhere do. `scans` along dead reckoning.
 std::vector<double> MissedTurns(const std::vector<Contradiction>& found, const std::vector<Scan>& scans);
+// And how much further it has gone, in their frame; makes the scans of such ways `slipped`.
+void MakeWaysGood(const std::vector<Contradiction>& found, std::vector<Scan>* scans);
 
 }  // namespace cairn::local_map

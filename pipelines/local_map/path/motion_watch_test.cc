@@ -154,12 +154,30 @@ struct Told {
   std::vector<Scan> scans;
 };
 
-TEST(MotionWatch, AWayThatThePathMakesGoodIsNoDisagreement) {
-  Told told({0.2, 0, 0});
-  ASSERT_EQ(Disagreements(told.found, told.scans).size(), 1U);
-  EXPECT_NEAR(Disagreements(told.found, told.scans)[0].apart_m, 0.8, 1e-9);
-  for (std::size_t s = 0; s < told.scans.size(); ++s) told.scans[s].pose.x_m = 0.2 * static_cast<double>(s);
-  EXPECT_TRUE(Disagreements(told.found, told.scans).empty());
+// In a path that dead reckoning drew to the side.
+TEST(MotionWatch, WaysAreMadeGoodAndSaidAllTheSame) {
+  Told told({0.2, 0.1, 0});
+  for (Scan& scan : told.scans) scan.pose.heading_rad = kQuarter_rad;
+  const auto expect_apart = [&](double path_m) {
+    const std::vector<Disagreement> said = Disagreements(told.found, told.scans);
+    ASSERT_EQ(said.size(), 1U);
+    EXPECT_NEAR(said[0].apart_m, path_m, 1e-9);
+    EXPECT_NEAR(said[0].odometry_apart_m, 4 * std::hypot(0.2, 0.1), 1e-9);
+  };
+  expect_apart(4 * std::hypot(0.2, 0.1));
+  MakeWaysGood(told.found, &told.scans);
+  for (std::size_t s = 0; s < told.scans.size(); ++s) {
+    EXPECT_NEAR(told.scans[s].pose.x_m, -0.1 * static_cast<double>(s), 1e-9);
+    EXPECT_NEAR(told.scans[s].pose.y_m, 0.2 * static_cast<double>(s), 1e-9);
+    EXPECT_EQ(told.scans[s].slipped, s > 0);
+  }
+  expect_apart(0);
+}
+
+TEST(MotionWatch, AWayThatHarmsNoMapStaysOdometrys) {
+  Told told({0.1, 0, 0});
+  MakeWaysGood(told.found, &told.scans);
+  for (const Scan& scan : told.scans) EXPECT_TRUE(scan.pose.x_m == 0 && !scan.slipped);
 }
 
 TEST(MotionWatch, ATurnThatThePathMakesGoodIsSaidAllTheSame) {

@@ -1,5 +1,6 @@
 #include "pipelines/local_map/path/nodes.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace cairn::local_map {
@@ -27,7 +28,10 @@ std::vector<OdometryEdge> MakeOdometryEdges(const std::vector<Scan>& scans,
     odometry_edge.offset = {to.pose.x_m - from.pose.x_m, to.pose.y_m - from.pose.y_m};
     const double root = std::sqrt(to.path_m - from.path_m);
     const bool cut = to.run != from.run;
-    const double more = !cut ? 0 : to.jumped ? options.jump_m : options.gap_m;
+    const bool slipped = std::any_of(scans.begin() + static_cast<std::ptrdiff_t>(nodes[k - 1]) + 1,
+                                     scans.begin() + static_cast<std::ptrdiff_t>(nodes[k]) + 1,
+                                     [](const Scan& scan) { return scan.slipped; });
+    const double more = cut ? to.jumped ? options.jump_m : options.gap_m : slipped ? options.slip_m : 0;
     odometry_edge.along_m = std::hypot(options.along_sd * root, kLeast_m, more);
     odometry_edge.across_m = std::hypot(options.across_sd * root, kLeast_m, more);
     odometry_edges.push_back(odometry_edge);

@@ -15,6 +15,7 @@ struct NodeOptions {
   double across_sd = 0.02;  // to its side, likewise
   double gap_m = 0.3;       // sd across a gap in time
   double jump_m = 2;        // sd across a jump of odometry
+  double slip_m = 0.2;      // sd of a way that scans show and odometry does not
 };
 
 // Of one robot, the first scan of each run and then one every apart_m travelled; the last scan too.

@@ -32,12 +32,14 @@ struct Scan {
   double path_m = 0;     // distance travelled so far
   std::int32_t run = 0;  // which run of this robot
   bool jumped = false;   // odometry did, since the scan before
+  bool slipped = false;  // since the scan before its way is that which scans show, and not odometry's
   static void Fields(const auto& field) {
     field("time_s", &Scan::time_s);
     field("pose", &Scan::pose);
     field("path_m", &Scan::path_m);
     field("run", &Scan::run);
     field("jumped", &Scan::jumped);
+    field("slipped", &Scan::slipped);
   }
 };
 
