@@ -76,6 +76,8 @@ class Core {
   bool MayServe(const Worker& worker, const Job& job) const {
     return !ExcludedBy(job).contains(worker.number);
   }
+  // And one of those of its tasks that are ready.
+  bool MayServeNow(const Worker& worker, const Job& job) const;
   // Whether a worker was handed a task that reads this blob, or made it.
   bool MayRead(const std::string& peer, const Hash& hash) const;
   // A checkpoint is under way, or SaveNow would begin one.
@@ -144,7 +146,7 @@ class Core {
 
   // The attempt at `task` has failed, by its worker's fault.
   void Exclude(Job& job, const wire::TaskKey& key, Worker& worker, const std::string& wrong);
-  void FailAttempt(Job& job, std::uint32_t task, const std::string& why);
+  void FailAttempt(Job& job, std::uint32_t task, std::uint64_t worker, const std::string& why);
   // Its running task is about to be blamed, though its process may have lost but its connection.
   void NoteLost(const Worker& worker);
   void TakeBackBlame(const wire::Hello& hello);
@@ -157,9 +159,13 @@ class Core {
   // dispatch.cc
   void Dispatch();
   void DispatchReady();  // ready tasks, to workers that have room
-  std::uint32_t NearestReady(const Job& job, const Worker& worker) const;
+  // None where it has failed all of them, and there are others.
+  std::optional<std::uint32_t> NearestReady(const Job& job, const Worker& worker) const;
   void Queue(std::uint64_t order);
-  const std::set<std::uint64_t>& ExcludedBy(const Job& job) const;  // none where there is nobody else
+  // By a job, and by one of its tasks: whoever has failed that; none where there is nobody else.
+  const std::set<std::uint64_t>& ExcludedBy(const Job& job) const;
+  std::set<std::uint64_t> ExcludedBy(const Job& job, std::uint32_t task) const;
+  bool AreAll(const std::set<std::uint64_t>& workers) const;  // that may get tasks now or later
   void Assign(Job& job, std::uint32_t task, const std::vector<Hash>& inputs, Worker& worker);
   void Withdraw(Job& job, std::uint32_t task, const Attempt& attempt);  // from whoever has it, with a Cancel
   void CallBack(Worker& worker, const wire::TaskKey& key);              // a Cancel, where it has it

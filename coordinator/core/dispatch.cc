@@ -4,6 +4,11 @@
 #include "coordinator/core/core.h"
 
 namespace cairn::coordinator {
+namespace {
+
+constexpr std::size_t kTasksLookedAt = 64;
+
+}  // namespace
 
 void Core::Dispatch() {
   for (const std::uint64_t order : touched_) Queue(order);
@@ -21,13 +26,18 @@ void Core::DispatchReady() {
     Job& job = jobs_.at(*order);
     std::uint32_t task = job.tasks.NextReady();
     std::vector<Hash> inputs = TaskInputs(job, task);
-    Worker* worker = fleet_.Place(inputs, ExcludedBy(job));
-    if (worker == nullptr) {
+    Worker* worker = fleet_.Place(inputs, ExcludedBy(job, task));
+    const bool failed_it = worker == nullptr;  // those that have room
+    if (failed_it) worker = fleet_.Place(inputs, ExcludedBy(job));
+    std::optional<std::uint32_t> nearest = task;
+    if (worker != nullptr && (failed_it || !job.tasks.task(task).parts.empty()))
+      nearest = NearestReady(job, *worker);
+    if (worker == nullptr || !nearest) {
       share_.Withdraw(*order);
       without.push_back(*order);
       continue;
     }
-    if (!job.tasks.task(task).parts.empty()) inputs = TaskInputs(job, task = NearestReady(job, *worker));
+    if (*nearest != task) inputs = TaskInputs(job, task = *nearest);
     Assign(job, task, inputs, *worker);
     share_.Charge(*order, job.ExpectedSeconds(task), job.spec.priority());
     Queue(*order);
@@ -35,13 +45,13 @@ void Core::DispatchReady() {
   for (const std::uint64_t order : without) Queue(order);
 }
 
-// Of the first tasks that are ready, the one of whose parts of blobs the worker has most, and others fewest:
-// a log that is cut in two goes over the wire once, not twice.
-std::uint32_t Core::NearestReady(const Job& job, const Worker& worker) const {
-  constexpr std::size_t kTasksLookedAt = 64;
+// Of the first tasks that are ready, the one of whose parts of blobs the worker has
+// most, and others fewest: a log that is cut in two goes over the wire once, not twice.
+std::optional<std::uint32_t> Core::NearestReady(const Job& job, const Worker& worker) const {
   std::optional<std::uint32_t> nearest;
   std::ptrdiff_t most = 0;
   for (const std::uint32_t task : job.tasks.FirstReady(kTasksLookedAt)) {
+    if (ExcludedBy(job, task).contains(worker.number)) continue;
     std::ptrdiff_t has = 0;
     for (const Hash& part : job.tasks.task(task).parts) {
       const std::uint64_t owner = job.parts.WorkerOf(part);
@@ -52,17 +62,33 @@ std::uint32_t Core::NearestReady(const Job& job, const Worker& worker) const {
     }
     if (!nearest || has > most) nearest = task, most = has;
   }
-  return nearest.value();
+  return nearest;
+}
+
+bool Core::MayServeNow(const Worker& worker, const Job& job) const {
+  return MayServe(worker, job) && NearestReady(job, worker).has_value();
 }
 
 // A job that has nobody else must end too, by the failures of whom it has.
 const std::set<std::uint64_t>& Core::ExcludedBy(const Job& job) const {
   static const std::set<std::uint64_t> kNobody;
+  return AreAll(job.excluded) ? kNobody : job.excluded;
+}
+
+std::set<std::uint64_t> Core::ExcludedBy(const Job& job, std::uint32_t task) const {
+  std::set<std::uint64_t> excluded = ExcludedBy(job);
+  const std::vector<std::uint64_t>& failed_at = job.tasks.task(task).failed_at;
+  if (failed_at.empty()) return excluded;
+  excluded.insert(failed_at.begin(), failed_at.end());
+  return AreAll(excluded) ? ExcludedBy(job) : excluded;
+}
+
+bool Core::AreAll(const std::set<std::uint64_t>& workers) const {
   std::size_t able = 0;
-  for (const std::uint64_t number : job.excluded)
+  for (const std::uint64_t number : workers)
     if (const auto it = fleet_.workers().find(number); it != fleet_.workers().end())
       able += it->second.Able();
-  return able < fleet_.able() ? job.excluded : kNobody;
+  return able >= fleet_.able();
 }
 
 // Whether a job has a task to give may have changed.
@@ -130,7 +156,7 @@ bool Core::MoveQueued() {
   const wire::TaskKey key = busiest->assigned.back().key;
   const Job* running = JobOf(key);
   if (running == nullptr || !running->Running()) return false;
-  Worker* idle = fleet_.Idle(ExcludedBy(*running));
+  Worker* idle = fleet_.Idle(ExcludedBy(*running, key.task()));
   if (idle == nullptr) return false;
   Job* job = Reclaim(*busiest, key);
   if (job != nullptr && job->tasks.task(key.task()).status == TaskStatus::kReady)
@@ -158,7 +184,7 @@ void Core::CopyStragglers() {
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   for (const auto& [runs_s, key] : stragglers) {
     Job& job = *JobOf(key);
-    Worker* idle = fleet_.Idle(ExcludedBy(job));
+    Worker* idle = fleet_.Idle(ExcludedBy(job, key.task()));
     if (idle == nullptr) continue;
     Assign(job, key.task(), TaskInputs(job, key.task()), *idle);
   }

@@ -135,6 +135,30 @@ TEST(CoreJobs, ATaskThatFailsThreeTimesFailsTheJobAndOthersLiveOn) {
   EXPECT_EQ(fixture.Next().assign.key().job(), "b");
 }
 
+// A machine that is too small for a task is free again at once.
+TEST(CoreJobs, WhatFailedAtOneWorkerIsTriedByAnotherThoughTheFirstHasRoom) {
+  CoreFixture fixture;
+  Begin(fixture, 2);
+  fixture.Join("x");
+  const auto small = fixture.Next(), other = fixture.Next();
+  ASSERT_EQ(small.peer, "w");
+  ASSERT_EQ(other.peer, "x");
+  fixture.Fail(small, "it takes more than 1 MB");
+  EXPECT_TRUE(fixture.assigned.empty()) << "the other one has no room yet";
+  fixture.AnswerRun(other, H(10));
+  auto again = fixture.Next();
+  EXPECT_EQ(again.peer, "x");
+  EXPECT_EQ(again.assign.key().task(), small.assign.key().task());
+  // Where all have failed it, it is for whoever is there; other jobs' tasks are, all along.
+  fixture.Submit("b");
+  EXPECT_EQ(fixture.Next().peer, "w");
+  fixture.Fail(again, "it takes more than 1 MB");
+  again = fixture.Next();
+  EXPECT_EQ(again.assign.key().task(), small.assign.key().task());
+  fixture.Fail(again, "it takes more than 1 MB");
+  EXPECT_EQ(fixture.Info().state(), "failed");
+}
+
 TEST(CoreJobs, ABadChainOfStagesIsAnInputError) {
   const auto reason = [](auto&& change) {
     CoreFixture fixture;

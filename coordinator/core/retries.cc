@@ -25,7 +25,7 @@ void Core::On(const TaskFailed& event) {
   ++worker->failures;
   if (event.failed.input_error())
     return FailJob(*job, job->TaskName(key.task()) + ": " + event.failed.message(), true);
-  FailAttempt(*job, key.task(), event.failed.message());
+  FailAttempt(*job, key.task(), worker->number, event.failed.message());
 }
 
 // Its transport checks what it carries: whoever sends a malformed answer is broken, or computes what is. In
@@ -41,7 +41,7 @@ void Core::Exclude(Job& job, const wire::TaskKey& key, Worker& worker, const std
   for (const AssignedTask& task : worker.assigned)
     if (task.key.job() == job.id) queued.push_back(task.key);
   for (const wire::TaskKey& other : queued) Reclaim(worker, other);
-  FailAttempt(job, key.task(), wrong + ", by " + who);
+  FailAttempt(job, key.task(), worker.number, wrong + ", by " + who);
 }
 
 std::string CutReason(const std::string& reason) {
@@ -49,11 +49,11 @@ std::string CutReason(const std::string& reason) {
   return reason.size() <= kMost ? reason : reason.substr(0, kMost) + " …";
 }
 
-void Core::FailAttempt(Job& job, std::uint32_t task, const std::string& whole_reason) {
+void Core::FailAttempt(Job& job, std::uint32_t task, std::uint64_t worker, const std::string& whole_reason) {
   const std::string why = CutReason(whole_reason);
   if (job.Ended() || job.tasks.task(task).status == TaskStatus::kDone) return;
   const std::string name = job.TaskName(task);
-  const int failures = job.tasks.Blame(task);
+  const int failures = job.tasks.Blame(task, worker);
   job.failures.push_back(name + ": " + why);
   if (job.failures.size() > kFailuresKept) job.failures.erase(job.failures.begin());
   job.facts.back().set_retries(job.facts.back().retries() + 1);

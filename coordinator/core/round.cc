@@ -77,6 +77,12 @@ bool Round::Withdraw(std::uint32_t index, std::uint32_t attempt) {
   return true;
 }
 
+int Round::Blame(std::uint32_t index, std::uint64_t worker) {
+  TaskRecord& task = tasks_.at(index);
+  task.failed_at.push_back(worker);
+  return ++task.failures;
+}
+
 bool Round::Excuse(std::uint32_t index) {
   TaskRecord& task = tasks_.at(index);
   if (task.excuses >= kMostExcuses) return false;

@@ -40,7 +40,8 @@ struct TaskRecord {
   std::uint32_t attempts = 0;          // begun, ever; the next is numbered attempts + 1
   std::vector<Attempt> live_attempts;  // those under way, numbers ascending
   int failures = 0;
-  int excuses = 0;  // attempts that were lost, and are not counted as failures
+  std::vector<std::uint64_t> failed_at;  // whose those were, for whoever counted them
+  int excuses = 0;                       // attempts that were lost, and are not counted as failures
   // What came of it.
   Hash partial;  // RUN only
 };
@@ -76,8 +77,8 @@ class Round {
   // Ends one without an answer. True where it was under way; the task is ready again where no other attempt
   // is.
   bool Withdraw(std::uint32_t index, std::uint32_t attempt);
-  // Counts a failure against the task and returns how many it has.
-  int Blame(std::uint32_t index) { return ++tasks_.at(index).failures; }
+  // Counts a failure at `worker` against the task and returns how many it has.
+  int Blame(std::uint32_t index, std::uint64_t worker);
   // An attempt was lost with a connection, and its worker is back: no failure of the task. False where that
   // was said of it too often to be believed.
   bool Excuse(std::uint32_t index);

@@ -165,13 +165,14 @@ void Core::TellDrain(const Worker& worker) {
 void Core::Lose(Worker& worker, const std::string& what, const std::string& blame) {
   const std::vector<AssignedTask> tasks = worker.assigned;
   std::map<std::string, int> moved;  // tasks, by job
+  const std::uint64_t number = worker.number;
   fleet_.Remove(worker.peer);
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     const wire::TaskKey& key = tasks[i].key;
     Job* job = JobOf(key);
     if (job == nullptr || !job->tasks.Withdraw(key.task(), key.attempt())) continue;
     if (i == 0 && !blame.empty())
-      FailAttempt(*job, key.task(), blame);
+      FailAttempt(*job, key.task(), number, blame);
     else
       ++moved[job->id];
   }
@@ -188,7 +189,8 @@ void Core::GiveUp(Worker& worker, const std::string& why) {
   const wire::TaskKey head = worker.assigned.front().key;
   Job* job = nullptr;  // of the head, which is taken last
   while (!worker.assigned.empty()) job = Reclaim(worker, wire::TaskKey(worker.assigned.back().key));
-  if (job != nullptr) FailAttempt(*job, head.task(), "it " + why + " on " + WorkerName(worker.hello));
+  if (job != nullptr)
+    FailAttempt(*job, head.task(), worker.number, "it " + why + " on " + WorkerName(worker.hello));
 }
 
 // It sends heartbeats, but what it runs does not move, or runs for too long.
