@@ -72,12 +72,8 @@ class Core {
   // again.
   double served_s() const { return now_s_ - served_from_s_; }
   bool Holds(const Hash& hash) const { return ledger_.Held(hash); }
-  // Whether a worker may get tasks of the job.
-  bool MayServe(const Worker& worker, const Job& job) const {
-    return !ExcludedBy(job).contains(worker.number);
-  }
-  // And one of those of its tasks that are ready.
-  bool MayServeNow(const Worker& worker, const Job& job) const;
+  // Whether a worker may get one of the job's tasks that are ready.
+  bool MayServe(const Worker& worker, const Job& job) const;
   // Whether a worker was handed a task that reads this blob, or made it.
   bool MayRead(const std::string& peer, const Hash& hash) const;
   // A checkpoint is under way, or SaveNow would begin one.
@@ -158,7 +154,8 @@ class Core {
 
   // dispatch.cc
   void Dispatch();
-  void DispatchReady();  // ready tasks, to workers that have room
+  void DispatchReady();                                     // ready tasks, to workers that have room
+  std::pair<std::uint32_t, Worker*> Place(const Job& job);  // nobody: null
   // None where it has failed all of them, and there are others.
   std::optional<std::uint32_t> NearestReady(const Job& job, const Worker& worker) const;
   void Queue(std::uint64_t order);

@@ -24,25 +24,31 @@ void Core::DispatchReady() {
     const std::optional<std::uint64_t> order = share_.Next();
     if (!order) break;
     Job& job = jobs_.at(*order);
-    std::uint32_t task = job.tasks.NextReady();
-    std::vector<Hash> inputs = TaskInputs(job, task);
-    Worker* worker = fleet_.Place(inputs, ExcludedBy(job, task));
-    const bool failed_it = worker == nullptr;  // those that have room
-    if (failed_it) worker = fleet_.Place(inputs, ExcludedBy(job));
-    std::optional<std::uint32_t> nearest = task;
-    if (worker != nullptr && (failed_it || !job.tasks.task(task).parts.empty()))
-      nearest = NearestReady(job, *worker);
-    if (worker == nullptr || !nearest) {
+    const auto [first, worker] = Place(job);
+    if (worker == nullptr) {
       share_.Withdraw(*order);
       without.push_back(*order);
       continue;
     }
-    if (*nearest != task) inputs = TaskInputs(job, task = *nearest);
+    const std::uint32_t task =
+        job.tasks.task(first).parts.empty() ? first : NearestReady(job, *worker).value_or(first);
+    const std::vector<Hash> inputs = TaskInputs(job, task);
     Assign(job, task, inputs, *worker);
     share_.Charge(*order, job.ExpectedSeconds(task), job.spec.priority());
     Queue(*order);
   }
   for (const std::uint64_t order : without) Queue(order);
+}
+
+// The first task that is ready, and who gets it; where all that have room have failed it, the next one.
+std::pair<std::uint32_t, Worker*> Core::Place(const Job& job) {
+  const std::uint32_t first = job.tasks.NextReady();
+  Worker* worker = fleet_.Place(TaskInputs(job, first), ExcludedBy(job, first));
+  if (worker != nullptr || job.tasks.task(first).failed_at.empty()) return {first, worker};
+  for (const std::uint32_t task : job.tasks.FirstReady(kTasksLookedAt))
+    if (worker = fleet_.Place(TaskInputs(job, task), ExcludedBy(job, task)); worker != nullptr)
+      return {task, worker};
+  return {first, nullptr};
 }
 
 // Of the first tasks that are ready, the one of whose parts of blobs the worker has
@@ -65,8 +71,8 @@ std::optional<std::uint32_t> Core::NearestReady(const Job& job, const Worker& wo
   return nearest;
 }
 
-bool Core::MayServeNow(const Worker& worker, const Job& job) const {
-  return MayServe(worker, job) && NearestReady(job, worker).has_value();
+bool Core::MayServe(const Worker& worker, const Job& job) const {
+  return NearestReady(job, worker).has_value();
 }
 
 // A job that has nobody else must end too, by the failures of whom it has.

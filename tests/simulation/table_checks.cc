@@ -56,7 +56,7 @@ void Checks::SeeTables(const Core& core, bool ticked, double now_s) {
     if (live[id] != held[id]) Fail("a task of " + id + " runs that no worker has");
     const bool room = std::any_of(
         core.fleet().workers().begin(), core.fleet().workers().end(),
-        [&](const auto& entry) { return entry.second.HasRoom() && core.MayServeNow(entry.second, *job); });
+        [&](const auto& entry) { return entry.second.HasRoom() && core.MayServe(entry.second, *job); });
     if (room && job->Running()) Fail("a worker has room and " + id + " a task that is ready");
     SeeJobTables(*job);
   }
