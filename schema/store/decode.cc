@@ -126,7 +126,8 @@ Status CheckLiesInThisFile(hid_t dataset, const std::string& name) {
                      "that it reads");
     if (std::ranges::find(seen, filter) != seen.end())
       return Corrupt(in_words +
-                     "it has one filter twice; `h5repack -f GZIP=1` writes a copy that Cairn reads");
+                     "it has one filter twice, so that it may unpack to very much; ask whoever made the "
+                     "file to write it again with each once");
     seen.push_back(filter);
   }
   return Status::Ok();
@@ -174,8 +175,8 @@ Result<Open> OpenDataset(hid_t file, const std::string& name, hid_t access = H5P
   open.info.stored_bytes = H5Dget_storage_size(open.dataset.get());
   if (!ChunksAreCredible(&open, dims))
     return Corrupt("dataset '" + name +
-                   "': its chunks are far larger than it, or more than they unpack to; `h5repack` writes a "
-                   "copy that Cairn reads");
+                   "': its chunks are far larger than it, or more than they unpack to; ask whoever "
+                   "made the file to write it again with chunks of about 1 MiB (in h5py chunks=True)");
   if (H5Sget_simple_extent_type(open.space.get()) == H5S_NULL || !SizeIsCredible(open.info)) {
     return Corrupt("dataset '" + name + "': its shape and its data do not agree");
   }
@@ -253,7 +254,9 @@ Status Read(const Open& open, hid_t type, const Part& part, hid_t list, void* to
   if (H5Dread(open.dataset.get(), type, part.memory, part.file, list, to) >= 0) return Status::Ok();
   if (LastCause().no_memory && limit.Lift())
     return {Code::kRefused,
-            "dataset '" + open.info.name + "': not read: it unpacks to far more than its shape says"};
+            "dataset '" + open.info.name +
+                "': not read: it unpacks to far more than its shape says, which no accident does; ask "
+                "whoever made the file for another, and let no other program unpack this one"};
   return Damaged(open.info.name);
 }
 
