@@ -16,6 +16,7 @@ import unittest
 import warnings
 import zlib
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 import cairn
@@ -249,6 +250,66 @@ class PackageTest(unittest.TestCase):
                 h5py.h5d.create(f.id, b"x", h5py.h5t.NATIVE_DOUBLE, space, plan).write_direct_chunk((0,), packed)
             with cairn.read(f"{name}.h5") as file:
                 self.refused(why, file.__getitem__, "x")
+                self.refused("; ask whoever made the file ", file.__getitem__, "x")
+        with self.hostile("padding.h5") as f:  # each chunk of the 200 is 32 MiB for one number
+            f.create_dataset("x", data=np.ones((200, 1)), maxshape=(200, None), chunks=(1, 1 << 22), compression=1)
+        with mock.patch("cairn.files.zlib.decompressobj") as unpack:
+            self.refused("it would take 6710886400 bytes", cairn.read("padding.h5").__getitem__, "x")
+        unpack.assert_not_called()
+
+    def test_each_chunk_is_unpacked_once_and_none_is_looked_for_in_a_list(self) -> None:
+        values = np.arange(70 * 33, dtype="f8").reshape(70, 33)
+        with self.hostile("many.h5") as f:
+            f.create_dataset("x", data=values, chunks=(4, 5), compression=1, shuffle=True, fletcher32=True)
+        with (
+            cairn.read("many.h5") as file,
+            mock.patch("cairn.files.zlib.decompressobj", wraps=zlib.decompressobj) as unpack,
+            mock.patch("cairn.files._listed") as listed,
+            mock.patch("h5py.Dataset.__getitem__") as again,
+        ):
+            self.assertTrue(np.array_equal(file["x"], values))
+        self.assertEqual(unpack.call_count, 18 * 7)
+        listed.assert_not_called()
+        again.assert_not_called()
+
+    def test_packed_arrays_are_what_h5py_reads_whatever_their_type_and_filters(self) -> None:
+        number = np.arange(1000) * 7 % 101
+        arrays = {kind: number.astype(kind) for kind in ("u1", "i4", "i8", "f4", "f8", ">f8", ">i2", "f2", "bool", "S5", "S12")}
+        options: list[dict[str, Any]] = [{}, {"shuffle": True}, {"fletcher32": True}, {"shuffle": True, "fletcher32": True}]
+        with self.hostile("kinds.h5") as f:
+            for kind, values in arrays.items():
+                for i, option in enumerate(options):
+                    f.create_dataset(f"{kind}/{i}", data=values, chunks=(999,), compression=4, **option)
+            f.create_dataset("texts", data=["ä", "b" * 90, ""] * 40, chunks=(7,), compression=1, shuffle=True)
+            f.create_dataset("some", (1000,), "f8", chunks=(10,), compression=1, fillvalue=3)[500:520] = 1
+            f.create_dataset("as it is", (4,), "f8", chunks=(4,), compression=1, shuffle=True)
+            f["as it is"].id.write_direct_chunk((0,), np.arange(4.0).tobytes(), 3)  # neither filter was used
+            f.create_dataset("short", (4,), "f8", chunks=(4,), compression=1).id.write_direct_chunk((0,), zlib.compress(bytes(31)))
+            f.create_dataset("cut", (4,), "f8", chunks=(4,), compression=1).id.write_direct_chunk((0,), zlib.compress(bytes(32))[:-1])
+        with cairn.read("kinds.h5") as file, h5py.File("kinds.h5") as same:
+            for kind, values in arrays.items():
+                for i in range(len(options)):
+                    read = file[f"{kind}/{i}"]
+                    self.assertEqual(read.tolist(), [v.decode() for v in values] if kind[0] == "S" else values.tolist())
+                    self.assertTrue(kind[0] == "S" or read.dtype == same[f"{kind}/{i}"].dtype)
+            self.assertEqual(file["texts"].tolist(), ["ä", "b" * 90, ""] * 40)
+            self.assertEqual((file["some"].sum(), file["as it is"].tolist()), (2960, [0, 1, 2, 3]))
+            self.refused("its chunks are not of the size that it says", file.__getitem__, "short")
+            self.refused("its data break off", file.__getitem__, "cut")
+
+    def test_a_flipped_byte_of_a_chunk_is_seen_by_its_own_checksum(self) -> None:
+        for size in (1, 2, 7, 1000, 70_000, 400_000):
+            with self.hostile(f"{size}.h5") as f:
+                noise = np.random.default_rng(size).integers(0, 256, size, np.uint8)
+                f.create_dataset("x", data=noise, chunks=(size,), compression=1, fletcher32=True)
+                at, packed = f["x"].id.get_chunk_info(0).byte_offset, f["x"].id.get_storage_size()
+            with cairn.read(f"{size}.h5") as file:
+                self.assertEqual(file["x"].tolist(), noise.tolist())
+            whole = bytearray(Path(f"{size}.h5").read_bytes())
+            whole[at + packed // 2] ^= 0x10
+            Path("flipped.h5").write_bytes(whole)
+            with cairn.read("flipped.h5") as file:
+                self.refused("its checksum is wrong", file.__getitem__, "x")
 
     def test_rows_and_groups_without_end_are_refused(self) -> None:
         with self.hostile("rows.h5") as f:

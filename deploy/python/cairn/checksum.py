@@ -1,6 +1,6 @@
-"""The checksum trailer of Cairn's files: XXH3-128 by numpy alone.
+"""The checksums of Cairn's files by numpy alone: of a chunk Fletcher's, as HDF5 has it, and in the trailer XXH3-128.
 
-The algorithm is that of xxHash's specification (Y. Collet, doc/xxhash_spec.md) for inputs of more than 240 bytes, as all
+The latter is that of xxHash's specification (Y. Collet, doc/xxhash_spec.md) for inputs of more than 240 bytes, as all
 HDF5 files are, without a seed.
 """
 
@@ -23,7 +23,7 @@ _SECRET = bytes.fromhex(
 )
 _P32 = (0x9E3779B1, 0x85EBCA77, 0xC2B2AE3D)
 _P64 = (0x9E3779B185EBCA87, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9, 0x85EBCA77C2B2AE63, 0x27D4EB2F165667C5)
-_BLOCK, _STRIPE = 1024, 64  # bytes
+_BLOCK, _STRIPE, _FLETCHER_BLOCK = 1024, 64, 1 << 20  # bytes
 _MASK = (1 << 64) - 1
 
 
@@ -84,3 +84,15 @@ def trailer_is_right(file: BinaryIO) -> bool | None:
     if not trailer.startswith(_MAGIC):
         return None
     return xxh3_128(file, size) == trailer[len(_MAGIC) :]
+
+
+def fletcher32(data: bytes) -> int:
+    """H5_checksum_fletcher32: of big-endian words of 16 bits, modulo 65535, where none but that of zeros is 0."""
+    first = second = 0
+    for at in range(0, len(data), _FLETCHER_BLOCK):
+        block = data[at : at + _FLETCHER_BLOCK]
+        words = np.frombuffer(block + b"\0" * (len(block) % 2), ">u2").astype(np.uint64)
+        second += len(words) * first + int(words @ np.arange(len(words), 0, -1, dtype=np.uint64))
+        first += int(words.sum())
+    first, second = ((total % 65535 or 65535) if total > 0 else 0 for total in (first, second))
+    return second << 16 | first

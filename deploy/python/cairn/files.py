@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import math
 import os
 import zlib
@@ -15,7 +16,7 @@ import h5py
 import numpy as np
 import numpy.typing as npt
 
-from .checksum import trailer_is_right
+from .checksum import fletcher32, trailer_is_right
 from .errors import InputError
 
 if TYPE_CHECKING:
@@ -27,7 +28,11 @@ _MOST_BYTES, _MOST_PACKED = 2 << 30, 100  # as of the program: what is larger, a
 _MOST_DEFLATED = 1100  # deflate shrinks at most 1032 times
 _CHUNK_BYTES = 64 << 20  # a larger chunk than that is none of ours, unless the whole array is
 _MOST_LEVELS = 32
-_FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}
+_MOST_LISTED = 2000
+_DEFLATE, _SHUFFLE = h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE
+_FILTERS = {_DEFLATE, _SHUFFLE, h5py.h5z.FILTER_FLETCHER32}
+_ANEW = "; ask whoever made the file to write it again with chunks of about 1 MiB (in h5py chunks=True), each filter once"
+_ANOTHER = ", which no accident does; ask whoever made the file for another, and let no other program unpack this one"
 _MOST_ROWS = 1 << 16  # of texts
 _Column = npt.NDArray[np.float64]
 
@@ -116,7 +121,8 @@ class File(Mapping[str, Any]):
             with self._reading(name):
                 _check_form(dataset)
                 is_texts = dataset.dtype.kind in "SO" and dataset.shape != ()
-                value = _texts(dataset) if is_texts else dataset[()]
+                given = _put_together(dataset)
+                value = _texts(dataset, given) if is_texts else dataset[()] if given is None else given
                 self._read[name] = _plain(value, bool(dataset.attrs.get("scalar", 0)))
         return self._read[name]
 
@@ -222,29 +228,77 @@ def _check_form(dataset: h5py.Dataset) -> None:
     if size // _MOST_DEFLATED > stored or (size > 0 and stored == 0):
         raise ValueError("its shape and its data do not agree")
     if dataset.chunks is not None and math.prod(dataset.chunks) * item > max(_CHUNK_BYTES, size):
-        raise ValueError("its chunks are far larger than it")
-    _check_unpacked(dataset, item)
+        raise ValueError("its chunks are far larger than it" + _ANEW)
 
 
-def _check_unpacked(dataset: h5py.Dataset, item: int) -> None:
-    """A chunk's stream may unpack to as much as its maker likes."""
-    plan = dataset.id.get_create_plist()
-    filters = [plan.get_filter(i)[0] for i in range(plan.get_nfilters())]
-    if len(set(filters)) != len(filters) or not _FILTERS.issuperset(filters):
-        raise ValueError("its filters are none of Cairn's")
-    if h5py.h5z.FILTER_DEFLATE not in filters:
-        return
-    if filters[-1] == h5py.h5z.FILTER_FLETCHER32:
-        filters.pop()
-    nominal, skipped = math.prod(dataset.chunks) * max(item, 16) + 64, 1 << filters.index(h5py.h5z.FILTER_DEFLATE)
-    for i in range(dataset.id.get_num_chunks()):
-        chunk = dataset.id.get_chunk_info(i)
-        if chunk.size > 2 * nominal + 1024:
-            raise ValueError("its chunks are more than they unpack to")
-        if not chunk.filter_mask & skipped:
-            _, packed = dataset.id.read_direct_chunk(chunk.chunk_offset)
-            if len(zlib.decompressobj().decompress(packed, nominal + 1)) > nominal:
-                raise ValueError("it unpacks to more than its shape says")
+def _put_together(dataset: h5py.Dataset) -> npt.NDArray[Any] | None:
+    """Of its chunks, each unpacked once; None: h5py may read it."""
+    plan, is_any_text = dataset.id.get_create_plist(), dataset.dtype.kind == "O"
+    item = 8 + dataset.file.id.get_create_plist().get_sizes()[0] if is_any_text else dataset.id.get_type().get_size()
+    filters = {(given := plan.get_filter(i))[0]: given[2] for i in range(plan.get_nfilters())}
+    usual = len(filters) == plan.get_nfilters() and _FILTERS.issuperset(filters)
+    if not usual or not (is_any_text or filters.get(_SHUFFLE, (item,)) == (item,)):
+        raise ValueError("its filters are none of Cairn's" + _ANEW)
+    if _DEFLATE not in filters:
+        return None
+    _check_size(dataset, dataset.id.get_num_chunks() * math.prod(dataset.chunks) * item)
+    steps = [range(0, n, chunk) for n, chunk in zip(dataset.shape, dataset.chunks)]
+    all_there = dataset.id.get_num_chunks() == math.prod(map(len, steps))
+    places = itertools.product(*steps) if all_there else _listed(dataset)
+    chunks = ((at, _unpacked(dataset, at, [*filters], item)) for at in places)
+    if not all_there or is_any_text or dataset.id.get_type() != h5py.h5t.py_create(dataset.dtype):
+        for _ in chunks:  # h5py unpacks them again
+            pass
+        return None
+    values = np.empty(dataset.shape, dataset.dtype)
+    for at, data in chunks:
+        part = values[tuple(slice(begin, begin + n) for begin, n in zip(at, dataset.chunks))]
+        part[...] = np.frombuffer(data, dataset.dtype).reshape(dataset.chunks)[tuple(map(slice, part.shape))]
+    return values
+
+
+def _listed(dataset: h5py.Dataset) -> Iterator[tuple[int, ...]]:
+    """Where chunks are, of which some are missing: HDF5 1.10 takes time that grows with the square of their number."""
+    if (there := dataset.id.get_num_chunks()) > _MOST_LISTED:
+        raise ValueError(f"it lacks some of its chunks, and has more than {_MOST_LISTED}")
+    return (dataset.id.get_chunk_info(i).chunk_offset for i in range(there))
+
+
+def _unpacked(dataset: h5py.Dataset, at: tuple[int, ...], filters: list[int], item: int) -> bytes:
+    """A chunk, of no more bytes than it says: its stream may unpack to as much as its maker likes."""
+    size = math.prod(dataset.chunks) * item
+    data: bytes
+    skipped, data = dataset.id.read_direct_chunk(at)
+    if len(data) > 2 * size + 1024:
+        raise ValueError("its chunks are more than they unpack to" + _ANEW)
+    for i, of in reversed(list(enumerate(filters))):
+        if not skipped >> i & 1:
+            data = _without(of, data, size, item)
+    if len(data) != size:
+        raise ValueError("its chunks are not of the size that it says")
+    return data
+
+
+def _without(of: int, data: bytes, size: int, item: int) -> bytes:
+    if of == _SHUFFLE:
+        planes = np.frombuffer(data, np.uint8).reshape(item, -1)
+        if item > 8:
+            return planes.T.tobytes()
+        together = np.empty(planes.shape[::-1], np.uint8)
+        for i, plane in enumerate(planes):  # as above, which would take eight times as long
+            together[:, i] = plane
+        return together.tobytes()
+    if of == h5py.h5z.FILTER_FLETCHER32:
+        if fletcher32(data[:-4]) != int.from_bytes(data[-4:], "little"):
+            raise ValueError("its checksum is wrong")
+        return data[:-4]
+    stream = zlib.decompressobj()
+    data = stream.decompress(data, size + 5)
+    if len(data) > size + 4:  # with a checksum
+        raise ValueError("it unpacks to more than its shape says" + _ANOTHER)
+    if not stream.eof:
+        raise ValueError("its data break off")
+    return data
 
 
 def _check_size(dataset: h5py.Dataset, size: int) -> None:
@@ -252,9 +306,11 @@ def _check_size(dataset: h5py.Dataset, size: int) -> None:
         raise ValueError(f"it would take {size} bytes, far more than its file")
 
 
-def _texts(dataset: h5py.Dataset) -> npt.NDArray[np.str_]:
+def _texts(dataset: h5py.Dataset, given: npt.NDArray[Any] | None) -> npt.NDArray[np.str_]:
     """Of fixed width or, as h5py writes them, of none: the longest is known before there is memory for all."""
-    values = (_of_no_width(dataset) if dataset.dtype.kind == "O" else dataset[()]).reshape(-1)
+    if given is None:
+        given = _of_no_width(dataset) if dataset.dtype.kind == "O" else dataset[()]
+    values = given.reshape(-1)
     parts = [slice(begin, begin + (1 << 16)) for begin in range(0, len(values), 1 << 16)]
     longest = 1
     for part in parts:
