@@ -4,6 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <stdexcept>
 #include <utility>
 
 #include "schema/text.h"
@@ -21,6 +22,22 @@ std::string KubectlFailure(const ProgramOutput& output) {
     return output.failure;
   return output.failure +
          ": it is not here; install it (Debian: kubernetes-client) and give it a cluster (KUBECONFIG)";
+}
+
+// Discarded also where it is deeper or more than any list of pods: 16 MB of `[` would take a gigabyte.
+json ParseAnswer(const std::string& text) {
+  constexpr int kMostDeep = 64;
+  constexpr std::size_t kMostValues = 1'000'000;
+  std::size_t values = 0;
+  const auto look = [&](int depth, json::parse_event_t, const json&) {
+    if (depth > kMostDeep || ++values > kMostValues) throw std::length_error("too much");
+    return true;
+  };
+  try {
+    return json::parse(text, look, false);
+  } catch (const std::length_error&) {
+    return json(json::value_t::discarded);
+  }
 }
 
 // These must be objects and texts, says Kubernetes; whatever else they are counts as nothing.
@@ -146,7 +163,7 @@ Result<std::vector<EngineWorker>> KubernetesEngine::List() {
   const ProgramOutput shown = Kubectl(
       {"get", "pods", std::string("--selector=") + kScaleLabel + "=" + options_.pod.label, "-o", "json"});
   if (shown.exit_code != 0) return Status(Code::kIo, KubectlFailure(shown));
-  const json list = json::parse(shown.out, nullptr, false);
+  const json list = ParseAnswer(shown.out);
   if (!At(list, "items").is_array()) return Status(Code::kIo, "kubectl: what it shows is no list of pods");
   std::vector<EngineWorker> workers;
   std::set<std::string> there, still_there;

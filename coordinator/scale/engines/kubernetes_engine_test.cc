@@ -219,6 +219,19 @@ TEST(KubernetesEngine, SaysWhatKubectlSaysAndWhatToDoWhereItIsMissing) {
                       engine.List().status().message());
 }
 
+TEST(KubernetesEngine, AnAnswerThatIsDeeperOrMoreThanAnyListOfPodsIsNotUnpacked) {
+  Kubectl kubectl;
+  std::string much;
+  for (int i = 0; i < 1'000'000; ++i) much += "0,";
+  const std::string deep(100, '['), end(100, ']');
+  for (const std::string& items : {"[" + much + "0]", deep + end, std::string("[0]")})
+    kubectl.answers["get"].push_back(Kubectl::Well("{\"items\": " + items + "}"));
+  KubernetesEngine engine = kubectl.Engine(ThePods());
+  for (int i = 0; i < 2; ++i)
+    EXPECT_EQ(engine.List().status().message(), "kubectl: what it shows is no list of pods");
+  EXPECT_TRUE(engine.List().ok());
+}
+
 TEST(PodTemplate, SaysWhatATemplateLacks) {
   const auto why = [](const std::string& text) { return ReadPodTemplate(text, "t.yaml").status().message(); };
   EXPECT_EQ(why("[1, 2"), "t.yaml: line 1: not YAML: end of sequence flow not found");
