@@ -270,13 +270,26 @@ bool HoldsNoMoreThanABeginning(const fs::path& to) {
   std::error_code error;
   for (fs::recursive_directory_iterator it(to, error), end; !error && it != end; it.increment(error)) {
     const fs::path& path = it->path();
-    const bool first = it.depth() == 0 && (path.filename() == "lock" || path.filename() == "version");
+    const bool first = it.depth() == 0 && (path.filename() == "lock" || path.filename() == "version" ||
+                                           path.filename() == kRestoreOf);
     const fs::file_type type = it->symlink_status(error).type();
     if (type != fs::file_type::directory && !(first && type == fs::file_type::regular) &&
         std::ranges::find(leftovers, path) == leftovers.end())
       return false;
   }
   return !error;
+}
+
+// As a copy, or a store that is made of one, says it.
+Result<std::string> OfWhich(const fs::path& mark) {
+  constexpr std::size_t kMostBytes = 1 << 13;
+  Result<std::string> of = ReadSmallFile(mark, kMostBytes);
+  return of.ok() ? of.value().substr(0, of.value().find('\n')) : std::move(of);
+}
+
+std::string NameOf(const fs::path& store) {
+  std::error_code error;
+  return fs::weakly_canonical(store, error).string();
 }
 
 // Nothing that is not a copy of this store is written over.
@@ -287,14 +300,13 @@ Status CheckPlaces(const fs::path& from, const fs::path& to) {
   if (!inside.empty() && *inside.begin() != "..")
     return {Code::kRefused, to.string() + " lies in the store itself"};
   if (!fs::exists(to, error) || HoldsNoMoreThanABeginning(to)) return Status::Ok();
-  constexpr std::size_t kMostBytes = 1 << 13;
-  const Result<std::string> of = ReadSmallFile(to / kBackupOf, kMostBytes);
+  Result<std::string> of = OfWhich(to / kBackupOf);
+  if (!of.ok()) of = OfWhich(to / kRestoreOf);
   if (!of.ok())
     return {Code::kRefused, to.string() + " is there already, and is no backup: name another folder"};
-  const std::string mine = fs::weakly_canonical(from, error).string() + "\n";
-  if (of.value() == mine) return Status::Ok();
-  return {Code::kRefused, to.string() + " is a backup of " + of.value().substr(0, of.value().find('\n')) +
-                              ", not of this store: name another folder"};
+  if (of.value() == NameOf(from)) return Status::Ok();
+  return {Code::kRefused,
+          to.string() + " is a backup of " + of.value() + ", not of this store: name another folder"};
 }
 
 Status CopyTableAndClock(const StoreFolder& from, const StoreFolder& to, BackupFacts& facts) {
@@ -320,8 +332,8 @@ Result<BackupFacts> BackUp(const fs::path& from_dir, const fs::path& to_dir, boo
                                       " has: is it the right store?");
   std::error_code error;
   fs::remove(to_dir / kBackupMark, error);
-  const std::string of = fs::weakly_canonical(from_dir, error).string() + "\n";
-  if (Status status = WriteTextAtomically(to_dir / kBackupOf, of); !status.ok()) return status;
+  if (Status status = WriteTextAtomically(to_dir / kBackupOf, NameOf(from_dir) + "\n"); !status.ok())
+    return status;
   Copier copier(from.value(), to.value(), check);
   for (const std::string& job : jobs)
     if (Status status = copier.CopyJob(job); !status.ok()) return status;
@@ -336,6 +348,27 @@ Result<BackupFacts> BackUp(const fs::path& from_dir, const fs::path& to_dir, boo
         !status.ok())
       return status;
   return std::move(copier.facts());
+}
+
+Result<BackupFacts> RestoreStore(const fs::path& from, const fs::path& to) {
+  if (const Result<StoreFolder> there = StoreFolder::LookAt(from); !there.ok()) return there.status();
+  const fs::path mark = to / kRestoreOf;
+  std::error_code error;
+  const Result<std::string> of = OfWhich(mark);
+  if (of.ok() && of.value() != NameOf(from))
+    return Status(Code::kRefused, to.string() + " holds a part of " + of.value() +
+                                      ", for `cairn restore` was cut off: `cairn restore " + of.value() +
+                                      " --store " + to.string() + "` goes on with it, or remove that folder");
+  if (!of.ok() && fs::exists(to, error) && !HoldsNoMoreThanABeginning(to))
+    return Status(Code::kRefused,
+                  to.string() + " is there already: move it away, or say --store for another place");
+  if (Status places = CheckPlaces(from, to); !places.ok()) return places;
+  if (const Result<StoreFolder> made = StoreFolder::Open(to); !made.ok()) return made.status();
+  if (Status marked = WriteTextAtomically(mark, NameOf(from) + "\n"); !marked.ok()) return marked;
+  Result<BackupFacts> facts = BackUp(from, to);
+  if (!facts.ok()) return facts;
+  for (const char* last : {kBackupMark, kBackupOf, kRestoreOf}) fs::remove(to / last, error);
+  return facts;
 }
 
 }  // namespace cairn::coordinator

@@ -30,6 +30,12 @@ struct BackupFacts {
 Result<BackupFacts> BackUp(const std::filesystem::path& from, const std::filesystem::path& to,
                            bool check = false);
 
+// Makes `to` a store of the backup `from`. Where one was cut off, the same again goes on with it; until that
+// is done nobody serves it (kRestoreOf in folder.h).
+// kNotFound: `from` is no store. kRefused: `to` holds anything but a restore of `from` that was cut off. Else
+// as BackUp says.
+Result<BackupFacts> RestoreStore(const std::filesystem::path& from, const std::filesystem::path& to);
+
 // In each copy: of which store it is.
 inline constexpr const char* kBackupOf = "backup-of";
 // In a copy that was made to its end. Gone while another is made over it.

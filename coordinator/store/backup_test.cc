@@ -1,7 +1,12 @@
 #include "coordinator/store/backup.h"
 
+#include <signal.h>
 #include <sqlite3.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <thread>
@@ -203,6 +208,42 @@ TEST_F(Backup, OneThatEndedAtItsBeginningIsInNobodysWay) {
   }
   std::ofstream(mine / "blobs" / "thesis.tex") << "text";
   EXPECT_EQ(BackUp(From(), mine).status().code(), Code::kRefused);
+}
+
+// The system ends whoever writes the largest file of all, so that some are there and others are not.
+TEST_F(Backup, ARestoreThatIsKilledIsServedByNobodyAndTheSameAgainGoesOn) {
+  Stop();
+  Copied();
+  std::uintmax_t largest = 0;
+  for (const fs::path& path : Tree(To())) largest = std::max(largest, fs::file_size(To() / path));
+  const fs::path back = fixture_.temp.path() / "back";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::signal(SIGXFSZ, SIG_DFL);
+    const rlimit limit{largest - 1, largest - 1};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    static_cast<void>(RestoreStore(To(), back));
+    ::_exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status)) << "it was done before";
+  const std::string goes_on = "`cairn restore " + To().string() + " --store " + back.string() + "` goes on";
+  const Status served = StoreFolder::OpenToServe(back, true).status();
+  EXPECT_EQ(served.code(), Code::kRefused);
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, goes_on, served.message());
+  fs::copy(To(), fixture_.temp.path() / "other", fs::copy_options::recursive);
+  const Status other = RestoreStore(fixture_.temp.path() / "other", back).status();
+  EXPECT_EQ(other.code(), Code::kRefused);
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, goes_on, other.message());
+  const Result<BackupFacts> facts = RestoreStore(To(), back);
+  ASSERT_TRUE(facts.ok()) << facts.status().message();
+  EXPECT_EQ(facts.value().jobs, 1U);
+  std::set<fs::path> whole = Tree(To());
+  for (const char* mark : {kBackupMark, kBackupOf}) EXPECT_EQ(whole.erase(mark), 1U);
+  EXPECT_EQ(Tree(back), whole);
+  EXPECT_EQ(RestoreStore(To(), back).status().code(), Code::kRefused) << "it is a store of its own now";
+  EXPECT_TRUE(StoreFolder::OpenToServe(back, false).ok());
 }
 
 TEST_F(Backup, WhatHasLostItsCheckpointsIsNotTakenForDeleted) {

@@ -88,6 +88,12 @@ Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
 Result<StoreFolder> StoreFolder::OpenToServe(const fs::path& dir, bool take_over) {
   Result<StoreFolder> folder = Make(dir);
   if (!folder.ok()) return folder;
+  constexpr std::size_t kMostBytes = 1 << 13;
+  if (const Result<std::string> of = ReadSmallFile(dir / kRestoreOf, kMostBytes); of.ok())
+    return Status(
+        Code::kRefused,
+        dir.string() + " holds a part of a backup, for `cairn restore` was cut off: `cairn restore " +
+            of.value().substr(0, of.value().find('\n')) + " --store " + dir.string() + "` goes on with it");
   if (Status status = folder.value().MakeFolders(); !status.ok()) return status;
   if (Status status = folder.value().Claim(take_over); !status.ok()) return status;
   if (Status status = folder.value().Prepare(); !status.ok()) return status;

@@ -21,6 +21,9 @@ namespace cairn::coordinator {
 // blobs.
 inline constexpr int kStoreVersion = 3;
 
+// In a store that is being made of a backup: of which (RestoreStore).
+inline constexpr const char* kRestoreOf = "restore-of";
+
 // Thrown where a file of a store may be whole and yet cannot be read (the disk fails, a right is missing):
 // what it names is not known, so that nothing may be quarantined or removed for its sake.
 struct UnreadableStore : std::runtime_error {
@@ -48,7 +51,8 @@ class StoreFolder {
   // touched.
   static Result<StoreFolder> Open(const std::filesystem::path& dir);
   // The same for a coordinator: other machines that see the folder find out that it is served (holder.h).
-  // kBusy: another machine's has it, as far as anybody knows, and it is not to be taken over.
+  // kBusy: another machine's has it, as far as anybody knows, and it is not to be taken over. kRefused, too:
+  // not all that a restore brings is there.
   static Result<StoreFolder> OpenToServe(const std::filesystem::path& dir, bool take_over);
   // The same of a store that is there, in which nothing is touched but the lock.
   static Result<StoreFolder> OpenAsItIs(const std::filesystem::path& dir);

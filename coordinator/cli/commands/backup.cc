@@ -48,16 +48,11 @@ int Backup(const BackupArguments& options, const Invocation&) {
 int Restore(const BackupArguments& options, const Invocation&) {
   const std::string store = options.store.empty() ? HomeFolder() + "/store" : options.store;
   std::error_code error;
-  if (fs::exists(store, error) && !fs::is_empty(store, error))
-    throw InputError(store + " is there already: move it away, or say --store for another place");
   if (!options.unfinished && fs::exists(options.folder, error) &&
       !fs::exists(fs::path(options.folder) / coordinator::kBackupMark, error))
     throw InputError(options.folder +
                      " is no backup that was made to its end; --unfinished takes what there is of one");
-  const coordinator::BackupFacts facts = Take(coordinator::BackUp(options.folder, store));
-  for (const char* mark : {coordinator::kBackupMark, coordinator::kBackupOf})
-    fs::remove(fs::path(store) / mark, error);
-  return Tell(facts, store, options.json);
+  return Tell(Take(coordinator::RestoreStore(options.folder, store)), store, options.json);
 }
 
 }  // namespace
