@@ -333,13 +333,28 @@ says "^submitted as Slurm's job 123; "
 ! cmp -s known map/.on-slurm/client.key || die "a key that others know is taken"
 grep -qF -e "$(cat map/.on-slurm/client.pub)" map/.on-slurm/allowed || die "its own key is not allowed"
 ! grep -q aaaaaaaa map/.on-slurm/allowed || die "a key that somebody has put there is allowed"
-# One that works there is left alone.
-echo 123 >map/.on-slurm/job
+# One that works there is left alone, also while it is queued and has written nothing.
 printf '#!/bin/sh\necho 99\necho 123\n' >slurm/squeue
 chmod +x slurm/squeue
 cp map/.on-slurm/client.key known
-refuses "Slurm's job 123 works in .*map already" on_slurm
+refuses "Slurm's job 123 works in .*map already, or will; \`scancel 123\` ends it" on_slurm
 cmp -s known map/.on-slurm/client.key || die "the keys of a job that works there were changed"
+# So is one that is being submitted, by two at a time or by who was killed over it.
+printf '#!/bin/sh\n' >slurm/squeue
+cp slurm/sbatch works
+cat >slurm/sbatch <<EOF
+#!/bin/sh
+cp map/.on-slurm/client.key known
+$(command -v cairn) run landmark_map log.h5 --out map --on slurm >second 2>&1
+kill -9 \$PPID
+EOF
+exits 137 on_slurm
+grep -q 'another `cairn run --on slurm` submits a job that works in .*map' second || die "not refused: $(cat second)"
+refuses 'was cut off while it submitted a job .* then remove .*map/.on-slurm/job and say this again' on_slurm
+cmp -s known map/.on-slurm/client.key || die "the keys of a job that was submitted were changed"
+mv works slurm/sbatch
+rm map/.on-slurm/job
+exits 0 on_slurm
 # What it has started ends with it: the scaler is gone before its workers are cancelled.
 cat >slurm/cairn <<'EOF'
 #!/bin/sh

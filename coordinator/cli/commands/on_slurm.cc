@@ -12,6 +12,7 @@
 
 #include "coordinator/cli/common/allow_list_file.h"
 #include "coordinator/cli/common/failure.h"
+#include "coordinator/cli/common/folder_lock.h"
 #include "coordinator/cli/common/programs.h"
 #include "coordinator/scale/engines/programs.h"
 #include "coordinator/scale/engines/slurm_engine.h"
@@ -123,10 +124,19 @@ void MakeOwnFolder(const fs::path& own) {
       throw InputError(entry.path().string() + " is a link; a run keeps what it needs in its own folder");
 }
 
-// Its keys must stay as they are, and the store is its own.
+// In the place of a number, while nobody knows it yet.
+constexpr const char* kSubmitting = "submitting\n";
+
+// Its keys must stay as they are, and the store is its own, also while it is queued.
 void RefuseWhereOneRuns(const fs::path& own) {
   constexpr std::size_t kMostBytes = 64;
   const Result<std::string> started = ReadSmallFile(own / "job", kMostBytes);
+  if (started.ok() && started.value() == kSubmitting)
+    throw InputError("`cairn run --on slurm` was cut off while it submitted a job that works in " +
+                     own.parent_path().string() +
+                     ": where `squeue --me` shows such a one, end it by `scancel`; "
+                     "then remove " +
+                     (own / "job").string() + " and say this again");
   const std::string number = started.ok() ? coordinator::SlurmJobNumber(started.value()) : "";
   if (number.empty()) return;
   constexpr double kLimit_s = 30;
@@ -137,7 +147,7 @@ void RefuseWhereOneRuns(const fs::path& own) {
   for (std::string line; std::getline(lines, line);)
     if (line == number)
       throw InputError("Slurm's job " + number + " works in " + own.parent_path().string() +
-                       " already; `scancel " + number + "` ends it");
+                       " already, or will; `scancel " + number + "` ends it");
 }
 
 // Anew for each submission: those that lie there may be known to others.
@@ -176,7 +186,11 @@ int RunOnSlurm(const OnSlurmArguments& arguments) {
   std::error_code error;
   const bool is_new = !fs::exists(own), is_new_out = !fs::exists(out);
   MakeOwnFolder(own);
+  fs::create_directory(own / "submitting", error);
+  const FolderLock lock(own / "submitting", "another `cairn run --on slurm` submits a job that works in " +
+                                                out.string() + ", or waits for it");
   RefuseWhereOneRuns(own);
+  Check(WriteTextAtomically(own / "job", kSubmitting));
   MakeKeys(own);
   const fs::path program = fs::path(WorkerProgram()).parent_path() / "cairn";
   coordinator::Program sbatch{
@@ -190,12 +204,14 @@ int RunOnSlurm(const OnSlurmArguments& arguments) {
   const bool waited = std::ranges::any_of(
       arguments.sbatch, [](const std::string& option) { return option == "--wait" || option == "-W"; });
   if (number.empty() || (output.exit_code != 0 && !waited)) {  // it ends as the job does where it waits
+    fs::remove(own / "job", error);
     if (is_new) fs::remove_all(own, error);
     if (is_new_out) fs::remove(out, error);
     throw WorldError(output.exit_code != 0
                          ? coordinator::SlurmFailure(output)
                          : "sbatch said no number of a job, but '" + Printable(output.out, 100) + "'");
   }
+  Check(WriteTextAtomically(own / "job", number + "\n"));
   std::printf("submitted as Slurm's job %s; results come into %s, what happens is in %s\n", number.c_str(),
               out.c_str(), (own / "log").c_str());
   return output.exit_code;
