@@ -271,8 +271,8 @@ void Server::TakeDiskDone() {
       TakeUploadDone(done);
       continue;
     }
-    if (!done.loaded.empty()) {
-      TakeLoaded(done.loaded);
+    if (!done.loaded.empty() || !done.read.empty()) {
+      TakeLoaded(done);
       continue;
     }
     if (!done.asker.empty()) {

@@ -1,5 +1,6 @@
 // The shell around the core: turns messages, the disk's answers and the clock into events, and carries out
-// actions. One thread; it never waits for a disk, except to read back a blob that memory had no room for.
+// actions. One thread; it never waits for a disk, except to read back a small blob that memory had no room
+// for.
 #pragma once
 
 #include <cstdint>
@@ -155,15 +156,15 @@ class Server {
 
   // server_blobs.cc
   void Serve(const std::string& peer, const wire::Fetch& fetch);
-  bool MustWait(const std::string& peer, const wire::Fetch& fetch) const;
+  bool MustWait(const std::string& peer, const wire::Fetch& fetch);
   void ServeFetches();
   void Send(const std::string& peer, const wire::Fetch& fetch);
   void SendPart(const std::string& peer, const Hash& hash, const wire::Fetch& fetch);
   void NoteSent(const std::string& peer, const wire::Fetch& fetch, std::uint64_t bytes);
   void EndStalled(double now_s);
   void AnswerWithBlobs(const std::string& peer, const std::string& user, const wire::JobQuery& query);
-  bool WaitsForResults(const std::string& peer, const std::string& user, const wire::JobQuery& query);
-  void TakeLoaded(const std::vector<SharedResults::Loaded>& loaded);
+  bool WaitsForDisk(const std::string& peer, const std::string& user, const wire::JobQuery& query);
+  void TakeLoaded(DiskDone& done);
   std::uint64_t BytesOfResults(const Job& job) const;
   std::string WhyTooManyAnswers(const std::string& user) const;
   std::string WhyTooMuchOnItsWay(const std::string& user, const std::string& what,
@@ -216,13 +217,15 @@ class Server {
   AccessControl access_control_;
   Refusals refusals_;
   std::map<std::string, std::string> asked_by_;  // "cancelled by desk (Yx8…)", by peer, until it is answered
-  // Who asked for results that have yet to be read; the writer reads those of one job at a time.
+  // Who asked for results or blobs that have yet to be read; the writer reads those of one question at a
+  // time.
   struct Waiting {
     std::string peer, user;
     wire::JobQuery query;
   };
   std::deque<Waiting> waiting_;
   bool is_loading_ = false;
+  std::uint64_t fetch_ticket_ = 0;  // of what the writer reads for a worker; 0: nothing
   SharedResults results_;
   OnItsWay on_its_way_;
   std::map<std::string, std::deque<wire::Fetch>> fetches_;  // that wait, by worker's peer

@@ -3,7 +3,6 @@
 
 #include "coordinator/server/server.h"
 #include "coordinator/store/result_file.h"
-#include "schema/kinds/kind.h"
 #include "schema/text.h"
 
 namespace cairn::coordinator {
@@ -38,12 +37,13 @@ void Server::Do(Persist& persist) {
   }
   for (const Publish& publish : persist.publish) {
     const proto::Stage& stage = checkpoint.job().stages(static_cast<int>(publish.stage));
-    const BlobPtr blob = blobs_.Get(publish.result);
-    if (blob == nullptr)
+    const bool must_read = blobs_.MustRead(publish.result);
+    const BlobPtr blob = must_read ? nullptr : blobs_.Get(publish.result);
+    if (blob == nullptr && !must_read)
       return Handle(
           PersistFailed{checkpoint.job_id(), checkpoint.number(), "a result cannot be read back from disk"});
     work.results.push_back(
-        {options_.result_path(checkpoint.job_id(), stage.name()), KindOf(*blob), publish.stage, blob});
+        {options_.result_path(checkpoint.job_id(), stage.name()), publish.stage, publish.result, blob});
   }
   writer_.Add(std::move(work));
 }

@@ -22,13 +22,21 @@ void Server::Serve(const std::string& peer, const wire::Fetch& fetch) {
   if (!asked && fetches.size() < kMostOfOne) fetches.push_back(fetch);
 }
 
-// A whole blob is in memory once, whoever gets it; a part is cut for each.
-bool Server::MustWait(const std::string& peer, const wire::Fetch& fetch) const {
+// A whole blob is in memory once, whoever gets it; a part is cut for each. What is on disk alone is read by
+// the writer, one at a time.
+bool Server::MustWait(const std::string& peer, const wire::Fetch& fetch) {
   const std::uint64_t workers = std::max<std::uint64_t>(1, core_.fleet().size());
   if (const std::size_t unsent = transport_.Unsent(peer);
       unsent > 0 && unsent >= options_.fetched_bytes / workers)
     return true;
-  return fetch.has_part() && on_its_way_.copied_bytes() >= options_.fetched_bytes;
+  if (fetch.has_part() && on_its_way_.copied_bytes() >= options_.fetched_bytes) return true;
+  const Result<Hash> hash = Hash::FromBinary(fetch.hash());
+  if (!hash.ok() || blobs_.HasRead(hash.value()) || !blobs_.MustRead(hash.value(), fetch.has_part()))
+    return false;
+  if (fetch_ticket_ != 0) return true;
+  if (!core_.MayRead(peer, hash.value())) return false;
+  fetch_ticket_ = writer_.Add(LoadWork{{}, {hash.value()}});
+  return true;
 }
 
 // In turn: none goes first each time.
@@ -123,7 +131,7 @@ void Server::AnswerWithBlobs(const std::string& peer, const std::string& user, c
   const std::uint64_t expected = results ? BytesOfResults(*core_.FindJob(query.job())) : 0;
   if (const std::string much = WhyTooMuchOnItsWay(user, what, expected); !much.empty())
     return RefuseAsUnable(peer, wire::RefusalKind::kQuota, much);
-  if (results && WaitsForResults(peer, user, query)) return;
+  if (WaitsForDisk(peer, user, query)) return;
   wire::Message reply = AboutJobs(user, query.job());
   if (results) AddResults(query.job(), reply);
   if (query.action() == "so_far") AddSoFar(query.job(), reply);
@@ -177,13 +185,20 @@ std::uint64_t Server::BytesOfResults(const Job& job) const {
 }
 
 // True: they have to be read, and it is answered when they are.
-bool Server::WaitsForResults(const std::string& peer, const std::string& user, const wire::JobQuery& query) {
+bool Server::WaitsForDisk(const std::string& peer, const std::string& user, const wire::JobQuery& query) {
   constexpr std::size_t kMostWaiting = 1024;
   const Job& job = *core_.FindJob(query.job());
-  LoadResultsWork load;
-  for (const proto::Stage& stage : job.spec.stages())
-    load.files.push_back(options_.result_path(job.id, stage.name()));
-  if (std::ranges::all_of(load.files, [this](const auto& file) { return results_.IsAtHand(file); }))
+  LoadWork load;
+  if (query.action() == "results")
+    for (const proto::Stage& stage : job.spec.stages())
+      load.files.push_back(options_.result_path(job.id, stage.name()));
+  if (const auto so_far = job.SoFar(); so_far && query.action() == "so_far") load.blobs = {*so_far};
+  if (query.action() == "inputs" && !job.Final())
+    for (const auto& [name, binary] : job.spec.input_blobs())
+      load.blobs.push_back(Hash::FromBinary(binary).value());
+  std::erase_if(load.blobs, [this](const Hash& hash) { return !blobs_.MustRead(hash); });
+  if (std::ranges::all_of(load.files, [this](const auto& file) { return results_.IsAtHand(file); }) &&
+      std::ranges::all_of(load.blobs, [this](const Hash& hash) { return blobs_.HasRead(hash); }))
     return false;
   if (std::ranges::any_of(waiting_, [&](const Waiting& waiting) { return waiting.peer == peer; }))
     return true;
@@ -200,10 +215,18 @@ bool Server::WaitsForResults(const std::string& peer, const std::string& user, c
 }
 
 // Who waits for others has these read next.
-void Server::TakeLoaded(const std::vector<SharedResults::Loaded>& loaded) {
-  for (const SharedResults::Loaded& of : loaded) results_.Keep(of);
-  is_loading_ = false;
-  for (const Waiting& waiting : std::exchange(waiting_, {})) Serve(waiting.peer, waiting.user, waiting.query);
+void Server::TakeLoaded(DiskDone& done) {
+  for (const SharedResults::Loaded& of : done.loaded) results_.Keep(of);
+  blobs_.TakeRead(std::move(done.read));
+  if (done.ticket == fetch_ticket_) {
+    fetch_ticket_ = 0;
+    ServeFetches();
+  } else {
+    is_loading_ = false;
+    for (const Waiting& waiting : std::exchange(waiting_, {}))
+      Serve(waiting.peer, waiting.user, waiting.query);
+  }
+  blobs_.ForgetRead();
   results_.ForgetFailures();
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <fstream>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -96,6 +98,63 @@ TEST_F(ServerFetches, OfPartsWaitWhileAsMuchIsOnItsWayToAll) {
   EXPECT_EQ(Answers("other"), 0);
   fixture_.transport.unsent["deaf"] = 0;
   EXPECT_EQ(Answers("other"), 1);
+}
+
+// After a restart nothing is in memory, and nobody knows to how much a file unpacks.
+TEST_F(ServerFetches, WhatIsOnDiskAloneIsReadByTheWritingThreadWhileOthersAreServed) {
+  Begin();
+  fixture_.Until([&] { return !fixture_.server->core().HasUnsaved(); });
+  fixture_.transport.assigned = 0;
+  fixture_.Start();
+  for (const char* peer : {"first", "other"}) fixture_.transport.ComeWorker(peer, "", 1, peer[0]);
+  fixture_.Until([&] { return fixture_.transport.assigned == 4; });
+  fixture_.transport.sent.clear();
+  const auto ask = [&](const std::string& peer, const std::string& action) {
+    wire::Message question;
+    question.envelope.mutable_query()->set_job("a");
+    question.envelope.mutable_query()->set_action(action);
+    fixture_.transport.Come(peer, std::move(question));
+  };
+  const auto reply = [&](const std::string& peer) {
+    for (int turn = 0; turn < 10; ++turn) fixture_.server->Step(0);
+    return fixture_.TakeReply(peer);
+  };
+  std::unique_lock stopped(fixture_.transport.wake);
+  ask("who stops it", "logs");
+  fixture_.server->Step(0);
+  Ask("first");
+  Ask("first", 0);
+  Ask("other");
+  ask("client", "inputs");
+  ask("another", "status");
+  EXPECT_TRUE(reply("another"));
+  EXPECT_FALSE(reply("client"));
+  EXPECT_EQ(Answers("first") + Answers("other"), 0);
+  stopped.unlock();
+  fixture_.Until([&] { return Answers("first") == 2 && Answers("other") == 1; });
+  std::optional<wire::Reply> inputs;
+  fixture_.Until([&] { return (inputs = fixture_.TakeReply("client")).has_value(); });
+  ASSERT_EQ(inputs->names_size(), 1);
+  EXPECT_EQ(fixture_.last_blobs.at(0).blob->ContentHash(), log_.hash);
+}
+
+// The file of one that is damaged is told to who asked, who is not kept waiting.
+TEST_F(ServerFetches, WhatCannotBeReadBackIsToldToBeMissing) {
+  Begin();
+  fixture_.Until([&] { return !fixture_.server->core().HasUnsaved(); });
+  fixture_.transport.assigned = 0;
+  fixture_.Start();
+  fixture_.transport.ComeWorker("one", "", 1, 1);
+  fixture_.Until([&] { return fixture_.transport.assigned > 0; });
+  std::ofstream(fixture_.folder->BlobFile(log_.hash)) << "damaged";
+  fixture_.transport.sent.clear();
+  Ask("one");
+  fixture_.Until([&] {
+    return std::ranges::any_of(fixture_.transport.sent, [](const auto& sent) {
+      return sent.first == "one" && sent.second.envelope.has_missing();
+    });
+  });
+  EXPECT_TRUE(fixture_.Logged(fixture_.folder->BlobFile(log_.hash).string()));
 }
 
 TEST_F(ServerFetches, WhoReadsNothingOfThemLosesItsTasks) {

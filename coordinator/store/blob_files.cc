@@ -83,9 +83,16 @@ fs::path BlobFiles::FileOf(const Hash& hash) const {
 bool BlobFiles::Has(const Hash& hash) const { return !IsGone(FileOf(hash)); }
 
 Result<BlobPtr> BlobFiles::Read(const Hash& hash) {
-  const fs::path path = FileOf(hash);
-  if (path == folder_.FlatFile(hash)) return ReadFlatFile(path, hash);
-  return path == folder_.BlobFile(hash) ? ReadAlone(path, hash) : ReadPacked(path, hash);
+  return IsPacked(hash) ? ReadPacked(FileOf(hash), hash) : ReadOwnFile(hash);
+}
+
+Result<BlobPtr> BlobFiles::ReadOwnFile(const Hash& hash) const {
+  return IsFlat(hash) ? ReadFlatFile(folder_.FlatFile(hash), hash) : ReadAlone(folder_.BlobFile(hash), hash);
+}
+
+bool BlobFiles::IsPacked(const Hash& hash) const {
+  const std::lock_guard lock(mutex_);
+  return pack_of_.contains(hash);
 }
 
 Result<BlobPtr> BlobFiles::ReadPart(const Hash& hash, const proto::BlobPart& part) {

@@ -2,7 +2,7 @@
 // where many small ones are written at once, together in a pack, so that saving a long round costs a file and
 // not one a partial.
 //
-// The event loop reads, the writing thread writes and removes.
+// The event loop reads what is small, the writing thread the rest; that writes and removes.
 #pragma once
 
 #include <cstdint>
@@ -31,6 +31,10 @@ class BlobFiles {
   bool Has(const Hash& hash) const;
   // kNotFound; kCorrupt where the file is damaged or its content is not what its name says.
   Result<BlobPtr> Read(const Hash& hash);
+  // The same of one that is not packed, on any thread.
+  Result<BlobPtr> ReadOwnFile(const Hash& hash) const;
+  bool IsPacked(const Hash& hash) const;
+  bool IsFlat(const Hash& hash) const { return FileOf(hash) == folder_.FlatFile(hash); }
   // A part of a flat blob, at no more than its cost but for the first of one that was not uploaded since the
   // start, which checks the whole file; of any other blob kNotFound, for it is read whole. As FlatParts says.
   Result<BlobPtr> ReadPart(const Hash& hash, const proto::BlobPart& part);

@@ -43,7 +43,8 @@ BlobPtr BlobStore::Get(const Hash& hash, Status* why) {
     ages_.splice(ages_.end(), ages_, entry.age);
     return entry.blob;
   }
-  Result<BlobPtr> read = files_.Read(hash);
+  const auto there = read_.find(hash);
+  Result<BlobPtr> read = there != read_.end() ? there->second : files_.Read(hash);
   entry.lost = !read.ok();
   if (entry.lost) {
     if (why != nullptr) *why = read.status();
@@ -53,6 +54,15 @@ BlobPtr BlobStore::Get(const Hash& hash, Status* why) {
   Keep(entry, hash, blob);
   Evict();
   return blob;
+}
+
+bool BlobStore::MustRead(const Hash& hash, bool part) const {
+  constexpr std::uint64_t kSmallBytes = 1 << 20;
+  const auto it = entries_.find(hash);
+  if (given_.contains(hash) || it == entries_.end() || it->second.blob != nullptr) return false;
+  const std::uint64_t bytes = it->second.bytes;  // 0: it was never in memory
+  if ((bytes > 0 && bytes <= kSmallBytes) || files_.IsPacked(hash)) return false;
+  return !part || !files_.IsFlat(hash);
 }
 
 Result<BlobPtr> BlobStore::GetPart(const Hash& hash, const proto::BlobPart& part) {

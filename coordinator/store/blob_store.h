@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "coordinator/core/blob_ledger.h"
@@ -31,6 +32,13 @@ class BlobStore {
   bool Has(const Hash& hash) const;
   // Null where it is unknown, or cannot be read back: then `why` says so, where it is asked for.
   BlobPtr Get(const Hash& hash, Status* why = nullptr);
+  // Whether Get, or of a part GetPart, would have to read and unpack what may be large, which is for another
+  // thread: BlobFiles::ReadOwnFile.
+  bool MustRead(const Hash& hash, bool part = false) const;
+  // What was read there: Get and GetPart take it for what they would read, until it is forgotten.
+  void TakeRead(std::map<Hash, Result<BlobPtr>> read) { read_ = std::move(read); }
+  void ForgetRead() { read_.clear(); }
+  bool HasRead(const Hash& hash) const { return read_.contains(hash); }
   // Of an input on disk it reads no more than that. kNotFound: the blob is unknown; kRefused: it has no such
   // part; else it cannot be read back.
   Result<BlobPtr> GetPart(const Hash& hash, const proto::BlobPart& part);
@@ -62,6 +70,7 @@ class BlobStore {
   std::uint64_t bytes_ = 0;
   std::map<Hash, BlobPtr> given_;
   HashMap<Entry> entries_;
+  std::map<Hash, Result<BlobPtr>> read_;
   std::list<Hash> ages_;  // least recently used first
 };
 

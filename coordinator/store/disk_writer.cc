@@ -6,6 +6,7 @@
 #include "coordinator/store/checkpoint_file.h"
 #include "coordinator/store/result_file.h"
 #include "coordinator/store/served_file.h"
+#include "schema/kinds/kind.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
 
@@ -53,7 +54,7 @@ DiskWriter::~DiskWriter() {
     closed_ = true;
     std::erase_if(queue_, [](const Item& item) {  // nobody is there for the answers
       return std::holds_alternative<ReadLogWork>(item.work) || std::holds_alternative<CleanWork>(item.work) ||
-             std::holds_alternative<LoadResultsWork>(item.work);
+             std::holds_alternative<LoadWork>(item.work);
     });
   }
   changed_.notify_one();
@@ -112,21 +113,30 @@ void DiskWriter::Loop() {
 
 // What nobody waits for is told only where it failed.
 std::optional<DiskDone> DiskWriter::Do(Item& item) {
-  DiskDone done = std::visit([this](const auto& work) { return Do(work); }, item.work);
+  DiskDone done = std::visit([this](auto& work) { return Do(work); }, item.work);
   done.ticket = item.ticket;
   const bool silent = done.job.empty() && done.asker.empty() && done.written.empty() && done.upload == 0 &&
-                      done.loaded.empty() && !std::holds_alternative<WriteServedWork>(item.work);
+                      done.loaded.empty() && done.read.empty() &&
+                      !std::holds_alternative<WriteServedWork>(item.work);
   if (silent && done.status.ok()) return std::nullopt;
   return done;
 }
 
-DiskDone DiskWriter::Do(const WriteCheckpointWork& work) {
+DiskDone DiskWriter::Do(WriteCheckpointWork& work) {
   const proto::Checkpoint& checkpoint = work.checkpoint;
   DiskDone done;
   done.job = checkpoint.job_id();
   done.number = checkpoint.number();
   std::uint64_t bytes = BytesOf(work.blobs);
-  for (const ResultToWrite& result : work.results) bytes += result.blob->ByteCount();
+  for (ResultToWrite& result : work.results) {
+    if (result.blob == nullptr) {
+      Result<BlobPtr> read = files_.ReadOwnFile(result.hash);
+      done.status = read.status();
+      if (!read.ok()) return done;
+      result.blob = std::move(read).value();
+    }
+    bytes += result.blob->ByteCount();
+  }
   // A record alone always fits, and so does what a cancelled job leaves: it makes room.
   done.status = folder_.MayWriteCheckpoints(checkpoint.job_id());
   if (done.status.ok() && bytes > 0 && checkpoint.state() != proto::JOB_CANCELLED)
@@ -135,7 +145,7 @@ DiskDone DiskWriter::Do(const WriteCheckpointWork& work) {
   for (const ResultToWrite& result : work.results) {
     if (done.status.ok()) done.status = MakeFolder(result.path.parent_path());
     if (!done.status.ok()) return done;
-    done.status = WriteBlobFile(result.path, result.kind,
+    done.status = WriteBlobFile(result.path, KindOf(*result.blob),
                                 WithProvenance(*result.blob, checkpoint, result.stage, UtcNow()));
   }
   if (!done.status.ok()) return done;
@@ -245,8 +255,9 @@ DiskDone DiskWriter::Do(const CloseUpload& work) {
   return done;
 }
 
-DiskDone DiskWriter::Do(const LoadResultsWork& work) {
+DiskDone DiskWriter::Do(const LoadWork& work) const {
   DiskDone done;
+  for (const Hash& hash : work.blobs) done.read.emplace(hash, files_.ReadOwnFile(hash));
   for (const fs::path& file : work.files) done.loaded.push_back(SharedResults::Load(file));
   return done;
 }

@@ -30,9 +30,9 @@ namespace cairn::coordinator {
 
 struct ResultToWrite {
   std::filesystem::path path;
-  std::string kind;
   std::uint32_t stage = 0;
-  BlobPtr blob;
+  Hash hash;
+  BlobPtr blob;  // null: it is to be read first
 };
 // Blobs first, then results, then the checkpoint, which so never names what is not there; then older ones go.
 struct WriteCheckpointWork {
@@ -63,9 +63,10 @@ struct ReadLogWork {
   wire::JobInfo job;  // as it stood when it was asked
   std::uint64_t after = 0;
 };
-// Published results, to be sent.
-struct LoadResultsWork {
+// Published results and blobs that have files of their own, to be sent.
+struct LoadWork {
   std::vector<std::filesystem::path> files;
+  std::vector<Hash> blobs;
 };
 struct CleanWork {
   std::string asker;  // the client's peer
@@ -73,10 +74,10 @@ struct CleanWork {
 };
 using DiskWork =
     std::variant<WriteCheckpointWork, WriteBlobsWork, RemoveBlobsWork, ForgetWork, WriteServedWork,
-                 WriteLogWork, ReadLogWork, LoadResultsWork, CleanWork, OpenUpload, WritePiece, CloseUpload>;
+                 WriteLogWork, ReadLogWork, LoadWork, CleanWork, OpenUpload, WritePiece, CloseUpload>;
 
-// What came of a checkpoint, of blobs, of a piece or the end of an upload, of a question, of results that
-// were to be loaded, or of the time served; of rows, log lines and the beginning of an upload only a failure
+// What came of a checkpoint, of blobs, of a piece or the end of an upload, of a question, of what
+// was to be loaded, or of the time served; of rows, log lines and the beginning of an upload only a failure
 // is told. (A removal that fails is made up for by the next start.)
 struct DiskDone {
   std::uint64_t ticket = 0;
@@ -87,6 +88,7 @@ struct DiskDone {
   std::string asker;          // of the question that `answer` answers; empty: it was none
   wire::Reply answer;
   std::vector<SharedResults::Loaded> loaded;
+  std::map<Hash, Result<BlobPtr>> read;
   std::uint64_t upload = 0;        // its number; 0: it is of none
   std::uint64_t upload_bytes = 0;  // of the piece
   bool closed = false;             // the upload is over, with this blob:
@@ -113,7 +115,7 @@ class DiskWriter {
   void Loop();
   std::optional<DiskDone> Do(Item& item);
   std::optional<Item> Next();  // waits, and counts what the store takes by and by; none: closed
-  DiskDone Do(const WriteCheckpointWork& work);
+  DiskDone Do(WriteCheckpointWork& work);
   DiskDone Do(const WriteBlobsWork& work) const;
   DiskDone Do(const WriteServedWork& work) const;
   DiskDone Do(const CleanWork& work) const;
@@ -121,7 +123,7 @@ class DiskWriter {
   DiskDone Do(const RemoveBlobsWork& work);
   DiskDone Do(const WriteLogWork& work);
   DiskDone Do(const ReadLogWork& work) const;
-  static DiskDone Do(const LoadResultsWork& work);
+  DiskDone Do(const LoadWork& work) const;
   DiskDone Do(const OpenUpload& work);
   DiskDone Do(const WritePiece& work);
   DiskDone Do(const CloseUpload& work);
