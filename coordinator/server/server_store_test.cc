@@ -3,6 +3,7 @@
 
 #include "coordinator/server/testing/hub_fixture.h"
 #include "coordinator/store/served_file.h"
+#include "schema/store/blob_file.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -38,6 +39,32 @@ TEST_F(StoreLimit, AJobThatWouldGoOverItIsPausedWithTheReasonAndResumeGoesOn) {
   fs::remove(Filler());
   fixture_.server->GoOn("a");
   fixture_.Until([&] { return fixture_.State() == "done"; });
+}
+
+// It was spilled meanwhile: the writing thread reads it back.
+TEST(Publishing, AResultThatHadToWaitAndThatMemoryHadNoRoomForIsPublishedInTheEnd) {
+  constexpr int kNumbers = 1 << 18;
+  ServerFixture fixture;
+  fixture.memory_bytes = 1;
+  fixture.Start();
+  Blob blob;
+  blob.PutVector("values", std::vector<double>(kNumbers, 0.5));
+  const wire::NamedBlob result = wire::NameBlob(std::make_shared<const Blob>(std::move(blob)));
+  fixture.transport.results["w"] = result;
+  const fs::path results = fixture.temp.path() / "results";
+  std::ofstream(results) << "in the place of their folder";
+  fixture.Submit();
+  fixture.transport.ComeWorker("w");
+  fixture.Until([&] { return fixture.State() == "paused"; });
+  const auto has = [&](const Hash& hash) { return fs::exists(fixture.folder->BlobFile(hash)); };
+  fixture.Until([&] { return has(result.hash); });
+  for (int turn = 0; turn < 100; ++turn) fixture.server->Step(0.001);
+  fs::remove(results);
+  fixture.server->GoOn("a");
+  fixture.Until([&] { return fixture.State() == "done" && !fixture.server->core().HasUnsaved(); });
+  const Result<BlobFile> published = ReadStoredFile(results / "a" / "stage0.h5");
+  ASSERT_TRUE(published.ok()) << published.status().message();
+  EXPECT_EQ(published.value().blob.Without("provenance/").ContentHash(), result.hash);
 }
 
 TEST_F(StoreLimit, InAFullStoreAJobCanStillBeCancelledAndDeleted) {
