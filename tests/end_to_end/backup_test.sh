@@ -55,7 +55,8 @@ says "^2 jobs in .*home/store"
 serve
 exits 0 cairn status "$late" --json
 cp stdout status.json
-[ "$(round)" -gt 0 ] || die "it begins anew: the copy had none of its rounds"
+# A quick machine is done with it before the last copy.
+grep -q '"state": "done"' status.json || [ "$(round)" -gt 0 ] || die "it begins anew: the copy had none of its rounds"
 exits 0 cairn watch "$late"
 exits 0 cairn results "$late" --out there
 same_bits undisturbed there
