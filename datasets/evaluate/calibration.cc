@@ -90,8 +90,18 @@ class ErrorsInSigmas {
 class Calibrator {
  public:
   Calibrator(const kinds::LandmarkMap& map, const std::vector<std::pair<std::size_t, Point>>& matched,
-             const std::vector<Track>& truth)
-      : map_(map), matched_(matched), truth_(truth) {}
+             const std::vector<Track>& truth, const ReferencePoint& point)
+      : map_(map), matched_(matched), truth_(truth), points_(map.robot.size(), point.at) {
+    if (!point.estimated) return;
+    std::vector<PosesAndPositions> robots(map.robot.size());
+    ForEachPose([&](std::size_t r, const Pose& ours, const Pose& theirs, std::span<const double>) {
+      robots[r].push_back({ours, {theirs.x_m, theirs.y_m}});
+    });
+    reference_ = FitReference(robots);
+    if (reference_) points_ = reference_->point;
+  }
+
+  const std::optional<Reference>& reference() const { return reference_; }
 
   std::optional<CalibrationScore> Landmarks() const {
     const std::span<const double> covariance = map_.map.landmark_covariance_m2.OrNone();
@@ -113,24 +123,36 @@ class Calibrator {
     return errors.Score(*frame, all, "landmarks err independently");
   }
 
+  // The first so many of x, y and heading.
+  template <std::size_t kSize>
   std::optional<CalibrationScore> Poses() const {
-    std::optional<Frame> frame = OnLandmarks();
-    if (!frame) frame = OnPoses();
+    const std::optional<Frame> frame = FrameOfPoses();
     if (!frame) return std::nullopt;
     const Similarity back = Inverse(frame->to_truth);
-    ErrorsInSigmas<3> errors;
+    ErrorsInSigmas<kSize> errors;
     const std::int64_t robots =
-        ForEachPose([&](const Pose& ours, const Pose& truth, std::span<const double> covariance) {
-          const Pose theirs = back(truth);
-          errors.Add({ours.x_m - theirs.x_m, ours.y_m - theirs.y_m,
-                      WrapAngle(ours.heading_rad - theirs.heading_rad)},
-                     covariance);
+        ForEachPose([&](std::size_t r, const Pose& at, const Pose& truth, std::span<const double> stated) {
+          const Pose ours = Compose(at, {points_[r].x_m, points_[r].y_m, 0}), theirs = back(truth);
+          const std::array<double, 3> error = {ours.x_m - theirs.x_m, ours.y_m - theirs.y_m,
+                                               WrapAngle(ours.heading_rad - theirs.heading_rad)};
+          // How the point moves with the heading.
+          const double by[] = {at.y_m - ours.y_m, ours.x_m - at.x_m, 0};
+          std::array<double, kSize> of;
+          std::array<double, kSize * kSize> covariance;
+          for (std::size_t i = 0; i < kSize; ++i) {
+            of[i] = error[i];
+            for (std::size_t j = 0; j < kSize; ++j)
+              covariance[kSize * i + j] = stated[3 * i + j] + by[i] * stated[6 + j] + stated[3 * i + 2] * by[j] +
+                                          by[i] * stated[8] * by[j];
+          }
+          errors.Add(of, covariance);
         });
-    if (frame->on == "poses")
+    const auto dof = static_cast<std::int64_t>(kSize) * robots;
+    if (!frame->is_own)
       return errors.Score(
-          *frame, 3 * robots - frame->dof,
+          *frame, dof - frame->dof,
           "each robot's path is one draw, as its poses err together, and the alignment takes one");
-    return errors.Score(*frame, 3 * robots, "each robot's path is one draw, as its poses err together");
+    return errors.Score(*frame, dof, "each robot's path is one draw, as its poses err together");
   }
 
  private:
@@ -171,6 +193,18 @@ class Calibrator {
     return frame;
   }
 
+  std::optional<Frame> FrameOfPoses() const {
+    if (reference_) {
+      Frame frame{{"reference", 0, 4, false}, Inverse(reference_->to_map)};
+      frame.dof += 2 * ForEachPose([&](std::size_t, const Pose&, const Pose&, std::span<const double>) {
+        ++frame.points;
+      });
+      return frame;
+    }
+    const std::optional<Frame> frame = OnLandmarks();
+    return frame ? frame : OnPoses();
+  }
+
   // Two landmarks leave one degree of freedom, their distance.
   std::optional<Frame> OnLandmarks() const {
     if (matched_.size() < 3) return std::nullopt;
@@ -181,7 +215,8 @@ class Calibrator {
 
   std::optional<Frame> OnPoses() const {
     std::vector<PointPair> points;
-    ForEachPose([&](const Pose& ours, const Pose& theirs, std::span<const double>) {
+    ForEachPose([&](std::size_t r, const Pose& at, const Pose& theirs, std::span<const double>) {
+      const Pose ours = Compose(at, {points_[r].x_m, points_[r].y_m, 0});
       points.push_back({{ours.x_m, ours.y_m}, {theirs.x_m, theirs.y_m}});
     });
     if (points.size() < 2) return std::nullopt;
@@ -198,7 +233,7 @@ class Calibrator {
       bool any = false;
       for (std::size_t i = 0; 9 * i < covariance.size(); ++i) {
         const auto truth = PoseAt(truth_[r], poses.time_s[i]);
-        if (truth) take(poses[i], *truth, covariance.subspan(9 * i, 9));
+        if (truth) take(r, poses[i], *truth, covariance.subspan(9 * i, 9));
         any = any || truth;
       }
       robots += any;
@@ -209,15 +244,21 @@ class Calibrator {
   const kinds::LandmarkMap& map_;
   const std::vector<std::pair<std::size_t, Point>>& matched_;
   const std::vector<Track>& truth_;
+  std::vector<Point> points_;  // of each robot, of which its true poses are
+  std::optional<Reference> reference_;
 };
+
+const char* MotionOf(const CalibrationFrame& frame) {
+  return frame.on == "reference" ? "similarity" : "rigid motion";
+}
 
 std::string FrameText(const CalibrationFrame& frame) {
   std::string text =
       frame.on == "first pose"
           ? " of a robot, laid on the true one there"
-          : fmt::format(": a rigid motion found from {} of them, which takes {} degrees of freedom",
+          : fmt::format(": a {} found from {} of them, which takes {} degrees of freedom", MotionOf(frame),
                         frame.points, frame.dof);
-  if (!frame.is_own) text += "; the covariances are stated in another frame, which truth does not tell";
+  if (!frame.is_own && frame.on != "reference") text += "; the covariances are stated in another frame, which truth does not tell";
   return text;
 }
 
@@ -245,7 +286,7 @@ void AddErrorsInSigmas(const std::string& name, const std::optional<CalibrationS
     group.Add("nees_99", {}, "none: " + score->interval_takes);
   group.AddForPrograms("interval_takes", score->interval_takes);
   group.Add("frame.on", score->frame.on, FrameText(score->frame));
-  group.AddForPrograms("frame.motion", "rigid");
+  group.AddForPrograms("frame.motion", score->frame.on == "reference" ? "similarity" : "rigid");
   group.AddForPrograms("frame.points", score->frame.points);
   group.AddForPrograms("frame.dof", score->frame.dof);
   group.AddForPrograms("frame.is_own", score->frame.is_own);
@@ -265,14 +306,25 @@ double ChiSquareQuantile(double p, int degrees) {
 
 Calibration Calibrate(const kinds::LandmarkMap& map,
                       const std::vector<std::pair<std::size_t, Point>>& matched,
-                      const std::vector<Track>& truth) {
-  const Calibrator calibrator(map, matched, truth);
-  return {calibrator.Landmarks(), calibrator.Poses()};
+                      const std::vector<Track>& truth, const ReferencePoint& point) {
+  const Calibrator calibrator(map, matched, truth, point);
+  return {calibrator.Landmarks(), calibrator.Poses<3>(), calibrator.Poses<2>(), calibrator.reference()};
 }
 
 void AddCalibration(const Calibration& calibration, Scores* scores) {
   AddErrorsInSigmas("calibration.landmarks", calibration.landmarks, scores);
   AddErrorsInSigmas("calibration.poses", calibration.poses, scores);
+  AddErrorsInSigmas("calibration.positions", calibration.positions, scores);
+  if (!calibration.reference) return;
+  scores->Add("calibration.reference.scale", 1 / calibration.reference->to_map.scale,
+              ": by which the true positions are divided");
+  scores->Add("calibration.reference.rmse_m", calibration.reference->rmse_m);
+  std::vector<Scores> points;
+  for (const Point& point : calibration.reference->point) {
+    points.emplace_back().Add("ahead_m", point.x_m);
+    points.back().Add("left_m", point.y_m);
+  }
+  scores->AddRows("calibration.reference.points", std::move(points));
 }
 
 }  // namespace cairn::datasets

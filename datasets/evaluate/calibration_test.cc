@@ -49,7 +49,9 @@ struct MadeUp {
     }
     return map;
   }
-  Calibration Calibrated() const { return Calibrate(Map(), matched, truth); }
+  Calibration Calibrated(const ReferencePoint& point = {}) const {
+    return Calibrate(Map(), matched, truth, point);
+  }
 };
 
 std::vector<double> RowMajor(const Eigen::MatrixXd& matrix) {
@@ -178,6 +180,53 @@ TEST(Calibration, PosesThatErrAsStatedAreCoveredAsStated) {
   EXPECT_LT(static_cast<double>(doubled.poses->within_95) / 3200, 0.7);
 }
 
+double ShareWithin95(const CalibrationScore& score) {
+  return static_cast<double>(score.within_95) / static_cast<double>(score.count);
+}
+
+TEST(Calibration, PositionsAreHeldAgainstTheTruthWithoutItsHeadings) {
+  Rng rng(17);
+  MadeUp made = MadeUpPaths(2, 400, 1, rng);
+  EXPECT_NEAR(ShareWithin95(*made.Calibrated().positions), 0.95, 0.02);
+  for (Pose& truth : made.truth[1].poses) truth.heading_rad += 0.3;
+  const Calibration turned = made.Calibrated();
+  EXPECT_LT(ShareWithin95(*turned.poses), 0.6);
+  EXPECT_NEAR(ShareWithin95(*turned.positions), 0.95, 0.02);
+  EXPECT_NEAR(*turned.positions->nees_per_dof, 1, 0.15);
+  EXPECT_EQ(turned.positions->count, 800);
+}
+
+// The truth is of another point of each robot, stated or not, and in a frame of a scale of its own.
+TEST(Calibration, TruePosesMayBeOfAnotherPoint) {
+  Rng rng(18);
+  MadeUp made = MadeUpPaths(2, 400, 1, rng);
+  for (Track& track : made.truth)
+    for (Pose& pose : track.poses) pose = Compose(pose, {0.5, -0.2, 0});
+  EXPECT_LT(ShareWithin95(*made.Calibrated().positions), 0.1);
+  const Calibration stated = made.Calibrated({false, {0.5, -0.2}});
+  EXPECT_FALSE(stated.reference);
+  EXPECT_NEAR(ShareWithin95(*stated.poses), 0.95, 0.02);
+  EXPECT_NEAR(ShareWithin95(*stated.positions), 0.95, 0.02);
+  EXPECT_TRUE(stated.positions->frame.is_own);
+
+  const Similarity larger{1.1, 0.3, -2, 5};
+  for (Track& track : made.truth)
+    for (Pose& pose : track.poses) pose = larger(pose);
+  EXPECT_LT(ShareWithin95(*made.Calibrated({false, {0.5, -0.2}}).positions), 0.1);
+  const Calibration found = made.Calibrated({true, {}});
+  ASSERT_TRUE(found.reference);
+  EXPECT_NEAR(found.reference->to_map.scale, 1 / 1.1, 1e-3);
+  for (const Point& point : found.reference->point) {
+    EXPECT_NEAR(point.x_m, 0.5, 0.02);
+    EXPECT_NEAR(point.y_m, -0.2, 0.02);
+  }
+  EXPECT_NEAR(ShareWithin95(*found.positions), 0.95, 0.02);
+  EXPECT_EQ(found.positions->frame.on, "reference");
+  EXPECT_EQ(found.positions->frame.points, 800);
+  EXPECT_EQ(found.positions->frame.dof, 8);
+  EXPECT_FALSE(found.positions->nees_99);  // two paths are four draws, and all of them are taken
+}
+
 // Poses of one path err together: of one robot the interval is that of one draw of three degrees of freedom,
 // however many poses there are.
 TEST(Calibration, APathIsOneDraw) {
@@ -282,12 +331,22 @@ TEST(Calibration, IsScoresForPeopleAndForPrograms) {
   EXPECT_NEAR(json.at("landmarks").at("nees_99").at(1).get<double>(), ChiSquareQuantile(0.995, 37) / 37,
               1e-9);
   EXPECT_TRUE(json.at("poses").is_null());
+  EXPECT_TRUE(json.at("positions").is_null());
+  EXPECT_FALSE(json.contains("reference"));
   EXPECT_EQ(json.at("landmarks").at("frame").at("on"), "landmarks");
   EXPECT_EQ(json.at("landmarks").at("frame").at("dof"), 3);
   ExpectContains(scores.ToText(), "the covariances are too small");
   ExpectContains(scores.ToText(), "where 95% are expected");
   ExpectContains(scores.ToText(),
                  "landmarks: a rigid motion found from 20 of them, which takes 3 degrees of freedom");
+
+  Scores of_reference;
+  AddCalibration(MadeUpPaths(1, 40, 1, rng).Calibrated({true, {}}), &of_reference);
+  const auto reference = nlohmann::json::parse(of_reference.ToJson()).at("calibration").at("reference");
+  EXPECT_NEAR(reference.at("scale"), 1, 0.01);
+  EXPECT_NEAR(reference.at("points").at(0).at("ahead_m"), 0, 0.05);
+  ExpectContains(of_reference.ToText(),
+                 "reference: a similarity found from 40 of them, which takes 6 degrees of freedom");
 }
 
 }  // namespace

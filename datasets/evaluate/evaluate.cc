@@ -19,9 +19,10 @@ namespace {
 
 class Evaluator {
  public:
-  Evaluator(const Blob& result, const Blob& log)
+  Evaluator(const Blob& result, const Blob& log, const ReferencePoint& point)
       : result_blob_(result),
         log_blob_(log),
+        point_(point),
         result_(Read<kinds::LandmarkMap>(result)),
         log_(Read<kinds::Log>(log)) {}
 
@@ -261,11 +262,12 @@ class Evaluator {
       matched.emplace_back(static_cast<std::size_t>(k), all_true_[static_cast<std::size_t>(t)]);
     std::vector<Track> truth;
     for (const auto& robot : log_.truth.robot) truth.push_back(TrackOf(robot.poses));
-    out_.calibration = Calibrate(result_, matched, truth);
+    out_.calibration = Calibrate(result_, matched, truth, point_);
   }
 
   const Blob& result_blob_;
   const Blob& log_blob_;
+  const ReferencePoint point_;
   const kinds::LandmarkMap result_;
   const kinds::Log log_;
   Evaluation out_;
@@ -359,9 +361,9 @@ void AddTopology(const Evaluation& evaluation, Scores* scores) {
 
 }  // namespace
 
-Evaluation Evaluate(const Blob& result, const Blob& truth_log) {
-  if (!result.Has("until_s")) return Evaluator(result, truth_log).Run();
-  return Evaluator(result, TruthUntil(truth_log, result.Scalar<double>("until_s"))).Run();
+Evaluation Evaluate(const Blob& result, const Blob& truth_log, const ReferencePoint& point) {
+  if (!result.Has("until_s")) return Evaluator(result, truth_log, point).Run();
+  return Evaluator(result, TruthUntil(truth_log, result.Scalar<double>("until_s")), point).Run();
 }
 
 Scores MakeScores(const Evaluation& evaluation) {

@@ -67,10 +67,10 @@ struct Evaluation {
 // truth has poses; else that of the landmarks whose identities are known; else the one with the least GOSPA
 // that a search finds. A true landmark counts as observed where the true associations name it; for a robot
 // without them, where its observations name it; all count where neither tells. A result of a prefix of the
-// data (`until_s`) is not asked for what was observed later.
+// data (`until_s`) is not asked for what was observed later. `point`: as Calibrate takes it.
 // Throws InputError that says so: a result without what is needed, robots that differ from the log's, a log
 // whose content, truth aside, is not what the result was made from, no truth.
-Evaluation Evaluate(const Blob& result, const Blob& truth_log);
+Evaluation Evaluate(const Blob& result, const Blob& truth_log, const ReferencePoint& point = {});
 
 // As the page docs/evaluate.md has them.
 Scores MakeScores(const Evaluation& evaluation);

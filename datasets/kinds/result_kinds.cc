@@ -82,8 +82,8 @@ constexpr ResultKind kResultKinds[] = {
      .is_map = true,
      .made_of = "log",
      .has_truth = HasTruth,
-     .evaluate = [](const Blob& map, const Blob& log, const ScoreOptions&) -> Evaluated {
-       return Evaluate(map, log);
+     .evaluate = [](const Blob& map, const Blob& log, const ScoreOptions& options) -> Evaluated {
+       return Evaluate(map, log, options.reference_point);
      },
      .page =
          [](const ReportedStage& s) {

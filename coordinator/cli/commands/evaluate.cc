@@ -25,7 +25,7 @@ struct EvaluateArguments {
   std::string truth;
   std::vector<std::string> features, holdout;
   std::string against;
-  std::string relations, robot;
+  std::string relations, robot, reference_point;
   double offset_s = 0;
   bool json = false;
   std::optional<int> nearest;
@@ -38,6 +38,8 @@ datasets::ScoreOptions HowToScore(const EvaluateArguments& options) {
   how.nearest = options.nearest.value_or(how.nearest);
   how.heading_window_deg = options.heading_window_deg;
   how.seed = options.seed.value_or(how.seed);
+  if (!options.reference_point.empty())
+    how.reference_point = datasets::ReferencePoint::Parse(options.reference_point);
   how.samples_name = options.truth;
   return how;
 }
@@ -100,6 +102,8 @@ datasets::Scores ScoreOfResult(const EvaluateArguments& options, const BlobFile&
     throw InputError(
         "--nearest, --seed and --heading-window-deg are for networks, whose truth is a file of samples");
   const std::string kind(row.name);
+  if (!options.reference_point.empty() && kind != "landmark_map")
+    throw InputError("--reference-point is for the true poses of a landmark_map");
   datasets::ScoreOptions how = HowToScore(options);
   how.map_name = ResultPath(options.result, kind);
   WarnOfSeveralJobs(options.result, "it is " + Escaped(how.map_name) + " that is scored");
@@ -171,6 +175,10 @@ void AddEvaluate(Command app, Invocation& call) {
       .Needs(relations);
   command.Add("--robot", options->robot, "With --relations: whose poses, where there are several robots")
       .Needs(relations);
+  command.Add("--reference-point", options->reference_point,
+              "landmark_map: of which point of the robots the true poses are, X,Y in metres ahead and to the "
+              "left; estimate: it, and the scale of the true positions, by the path, with the calibration "
+              "that is left");
   command.AddFlag("--json", options->json, "As JSON");
   AddChangedFlag(command, &options->changed);
   command.Add("--nearest", options->nearest,

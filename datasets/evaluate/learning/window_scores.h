@@ -11,6 +11,7 @@
 
 #include "datasets/evaluate/learning/feature_map.h"
 #include "datasets/evaluate/reduction_interval.h"
+#include "datasets/evaluate/reference.h"
 #include "datasets/evaluate/scores.h"
 
 namespace cairn::datasets {
@@ -25,6 +26,7 @@ struct ScoreOptions {
   // What the robot knows of its heading: positions whose samples face farther away are not believed in; none:
   // what the networks were trained for, and nothing (180) of features made by hand.
   std::optional<double> heading_window_deg = {};
+  ReferencePoint reference_point = {};  // of landmark maps
   std::string map_name = "the networks", samples_name = "the samples";  // files, for messages
 };
 
