@@ -142,8 +142,8 @@ class Calibrator {
           for (std::size_t i = 0; i < kSize; ++i) {
             of[i] = error[i];
             for (std::size_t j = 0; j < kSize; ++j)
-              covariance[kSize * i + j] = stated[3 * i + j] + by[i] * stated[6 + j] + stated[3 * i + 2] * by[j] +
-                                          by[i] * stated[8] * by[j];
+              covariance[kSize * i + j] = stated[3 * i + j] + by[i] * stated[6 + j] +
+                                          stated[3 * i + 2] * by[j] + by[i] * stated[8] * by[j];
           }
           errors.Add(of, covariance);
         });
@@ -197,8 +197,8 @@ class Calibrator {
     if (reference_) {
       Frame frame{{"reference", 0, 4, false}, Inverse(reference_->to_map)};
       frame.dof += 2 * ForEachPose([&](std::size_t, const Pose&, const Pose&, std::span<const double>) {
-        ++frame.points;
-      });
+                     ++frame.points;
+                   });
       return frame;
     }
     const std::optional<Frame> frame = OnLandmarks();
@@ -253,12 +253,12 @@ const char* MotionOf(const CalibrationFrame& frame) {
 }
 
 std::string FrameText(const CalibrationFrame& frame) {
-  std::string text =
-      frame.on == "first pose"
-          ? " of a robot, laid on the true one there"
-          : fmt::format(": a {} found from {} of them, which takes {} degrees of freedom", MotionOf(frame),
-                        frame.points, frame.dof);
-  if (!frame.is_own && frame.on != "reference") text += "; the covariances are stated in another frame, which truth does not tell";
+  std::string text = frame.on == "first pose"
+                         ? " of a robot, laid on the true one there"
+                         : fmt::format(": a {} found from {} of them, which takes {} degrees of freedom",
+                                       MotionOf(frame), frame.points, frame.dof);
+  if (!frame.is_own && frame.on != "reference")
+    text += "; the covariances are stated in another frame, which truth does not tell";
   return text;
 }
 

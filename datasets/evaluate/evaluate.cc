@@ -263,6 +263,10 @@ class Evaluator {
     std::vector<Track> truth;
     for (const auto& robot : log_.truth.robot) truth.push_back(TrackOf(robot.poses));
     out_.calibration = Calibrate(result_, matched, truth, point_);
+    if (point_.estimated && !out_.calibration.reference)
+      throw InputError(
+          "the true poses do not tell of which point of the robot they are: there are too few of them, or "
+          "a robot never turns");
   }
 
   const Blob& result_blob_;

@@ -57,7 +57,8 @@ std::optional<Reference> FitReference(const std::vector<PosesAndPositions>& robo
   const auto each = [&](const auto& take) {
     for (std::size_t r = 0; r < robots.size(); ++r)
       for (const auto& [ours, theirs] : robots[r])
-        take(r, Complex(ours.x_m, ours.y_m), std::polar(1.0, ours.heading_rad), Complex(theirs.x_m, theirs.y_m));
+        take(r, Complex(ours.x_m, ours.y_m), std::polar(1.0, ours.heading_rad),
+             Complex(theirs.x_m, theirs.y_m));
   };
   Complex mean_ours, mean_theirs;
   each([&](std::size_t, Complex p, Complex, Complex q) {

@@ -1,5 +1,5 @@
-// Of which point of the robot true positions are, and in a frame of which scale, where that is not the robot's
-// own point and the true landmarks' frame.
+// Of which point of the robot true positions are, and in a frame of which scale, where that is not the
+// robot's own point and the true landmarks' frame.
 #pragma once
 
 #include <optional>

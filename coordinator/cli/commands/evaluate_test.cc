@@ -133,6 +133,23 @@ Blob WithLights() {
   return file;
 }
 
+TEST_F(EvaluateCommand, TakesThePointThatTheTruthIsOf) {
+  Blob log = datasets::SimulateLoop({.seed = 3});
+  const Blob map = datasets::PerfectLandmarkMap(log);
+  Write("log.h5", "log", log);
+  Write("map.h5", "landmark_map", map);
+  const std::string map_file = folder_ / "map.h5", log_file = folder_ / "log.h5";
+  EXPECT_EQ(Evaluate({map_file, "--truth", log_file, "--reference-point", "0.1,0"}).code, kExitDone);
+  Refuses({map_file, "--truth", log_file, "--reference-point", "0.1"}, "'estimate', or X,Y");
+  const Said estimated = Evaluate({map_file, "--truth", log_file, "--reference-point", "estimate"});
+  ExpectContains(estimated.out, "calibration.reference.scale     1.0000");
+  for (const char* name : {"time_s", "x_m", "y_m", "heading_rad"})
+    log.PutVector("truth/robot/0/poses/" + std::string(name), std::vector<double>{0});
+  Write("log.h5", "log", log);
+  Refuses({map_file, "--truth", log_file, "--reference-point", "estimate"}, "do not tell of which point");
+  Refuses({networks_, "--truth", samples_, "--reference-point", "estimate"}, "of a landmark_map");
+}
+
 TEST_F(EvaluateCommand, ScoresHandMadeFeatures) {
   Write("lights.h5", "samples", WithLights());
   const std::string lights = folder_ / "lights.h5";

@@ -26,7 +26,7 @@ struct ScoreOptions {
   // What the robot knows of its heading: positions whose samples face farther away are not believed in; none:
   // what the networks were trained for, and nothing (180) of features made by hand.
   std::optional<double> heading_window_deg = {};
-  ReferencePoint reference_point = {};  // of landmark maps
+  ReferencePoint reference_point = {};                                  // of landmark maps
   std::string map_name = "the networks", samples_name = "the samples";  // files, for messages
 };
 
