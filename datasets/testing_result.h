@@ -1,6 +1,7 @@
 // A small landmark map for this folder's tests, as schema/FORMAT.md has it.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -40,6 +41,34 @@ inline Blob SmallResult() {
   blob.PutScalar<double>("map/grid/origin_y_m", -0.5);
   blob.PutScalar<double>("map/grid/cell_m", 1.5);
   return blob;
+}
+
+// The same robots' local map: of the second one a trace that runs along y, with edges at (7.5, 21) and
+// (14, 21.5).
+inline Blob SmallLocalMap() {
+  Blob map;
+  for (const auto& [name, array] : SmallResult().fields())
+    if (!name.starts_with("map/")) map.Put(name, array);
+  map.PutScalar("cell_m", 0.5);
+  map.PutVector<std::int32_t>("traces/robot", {1});
+  map.PutVector<double>("traces/first_s", {1});
+  map.PutVector<double>("traces/last_s", {3});
+  map.PutVector<double>("traces/x_m", {10});
+  map.PutVector<double>("traces/y_m", {20});
+  map.PutVector<double>("traces/direction_rad", {1.5707963267948966});
+  map.PutVector<std::int32_t>("traces/first_z", {2});
+  map.PutVector<std::int64_t>("traces/features", {2});
+  for (const std::string side : {"features/left/", "features/right/"}) {
+    const bool left = side == "features/left/";
+    map.PutVector<float>(side + "angle_low_rad", {0, left ? std::nanf("") : 0});
+    map.PutVector<float>(side + "angle_high_rad", {0, 0});
+    map.PutVector<float>(side + "distance_low_m", {2, 4});
+    map.PutVector<float>(side + "distance_high_m", {3, 4});
+    map.PutVector<float>(side + "cross_m", {2.5F, 4});
+    map.PutVector<std::uint8_t>(side + "occupied", {static_cast<std::uint8_t>(left ? 1 : 0), 1});
+  }
+  map.PutVector<std::int32_t>("connections/kind", {});
+  return map;
 }
 
 // The log that goes with it.

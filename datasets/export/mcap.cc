@@ -8,6 +8,7 @@
 
 #include "datasets/common/array_text.h"
 #include "datasets/common/landmark_labels.h"
+#include "datasets/common/trace_edges.h"
 #include "datasets/export/export.h"
 #include "datasets/export/foxglove.pb.h"
 #include "datasets/export/mcap_file.h"
@@ -20,6 +21,7 @@ namespace {
 
 using Rgba = std::array<std::uint8_t, 4>;
 constexpr Rgba kOrange{217, 120, 61, 255};  // seen on a light and on a dark ground
+constexpr Rgba kGrey{120, 130, 140, 255};   // as well
 constexpr double kThickness_m = 0.01;       // of regions, which are flat
 constexpr double kRegionAlpha = 0.35;       // one sees what lies under them
 constexpr double kLabelHeight_m = 0.5;
@@ -248,12 +250,24 @@ void AddPath(const Path& path, const std::string& frame, Stage* stage) {
   stage->Add("/" + path.file + "/place", stage->first_s(), place.cloud());
 }
 
+// What of a local map stands about a path: walls.
+void AddEdges(const std::vector<Point>& edges, const Path& path, const std::string& frame, Stage* stage) {
+  if (edges.empty()) return;
+  Points points(*stage, frame, {"x", "y", "z"}, kGrey);
+  for (const Point& edge : edges) points.Add({edge.x_m, edge.y_m, 0});
+  stage->Add("/" + path.file + "/edges", stage->first_s(), points.cloud());
+}
+
 // A viewer shows a frame and what hangs on it, so maps that nothing ties are laid beside each other in `map`:
 // this one from `left_m` on, the first where it is. Returns where the next may begin.
-double LayBeside(const Path& path, const std::string& frame, std::optional<double> left_m, Stage* stage) {
-  const auto [least, most] = path.poses.empty() ? std::ranges::min_max_result<Pose>{}
-                                                : std::ranges::minmax(path.poses, {}, &Pose::x_m);
-  const double right_m = left_m.value_or(least.x_m) - least.x_m;
+double LayBeside(const Path& path, const std::vector<Point>& edges, const std::string& frame,
+                 std::optional<double> left_m, Stage* stage) {
+  std::vector<double> x_m;
+  for (const Pose& pose : path.poses) x_m.push_back(pose.x_m);
+  for (const Point& edge : edges) x_m.push_back(edge.x_m);
+  const auto [least_m, most_m] =
+      x_m.empty() ? std::ranges::min_max_result<double>{} : std::ranges::minmax(x_m);
+  const double right_m = left_m.value_or(least_m) - least_m;
   foxglove::FrameTransform transform;
   stage->Stamp(stage->first_s(), &transform);
   transform.set_parent_frame_id("map");
@@ -261,7 +275,7 @@ double LayBeside(const Path& path, const std::string& frame, std::optional<doubl
   transform.mutable_translation()->set_x(right_m);
   transform.mutable_rotation()->set_w(1);
   stage->Add("/tf", stage->first_s(), transform);
-  return right_m + most.x_m + kBetweenMaps_m;
+  return right_m + most_m + kBetweenMaps_m;
 }
 
 // What the robot may believe of its place, step by step: the likelier the more opaque.
@@ -311,10 +325,13 @@ Written ExportMcap(const Blob& blob, const std::string& folder, bool replace) {
   // Paths of a local map have frames of their own: nothing ties them.
   const bool apart = paths.size() > 1 && blob.Has("connections/kind");
   std::optional<double> next_m;
+  std::vector<std::vector<Point>> edges = TraceEdges(blob);
+  edges.resize(std::max(edges.size(), blob.Texts("robots").size()));
   for (const Path& path : paths) {
     const std::string frame = apart ? "map of " + path.robot : "map";
-    if (apart) next_m = LayBeside(path, frame, next_m, &stage);
+    if (apart) next_m = LayBeside(path, edges[path.index], frame, next_m, &stage);
     AddPath(path, frame, &stage);
+    AddEdges(edges[path.index], path, frame, &stage);
   }
   if (blob.Has("map/landmark_x_m")) {
     const auto map = Read<kinds::LandmarkMap>(blob);

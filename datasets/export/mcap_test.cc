@@ -209,13 +209,16 @@ TEST(ExportMcap, BeliefsAreGridsOfTheirOwnSize) {
 }
 
 TEST(ExportMcap, RobotsOfALocalMapHaveFramesOfTheirOwnBesideEachOther) {
-  Blob result = SmallResult();
-  Blob local;
-  for (const auto& [name, array] : result.fields())
-    if (!name.starts_with("map/")) local.Put(name, array);
-  local.PutVector<std::int32_t>("connections/kind", {});
-  const ReadBack back = Exported(local);
+  const ReadBack back = Exported(SmallLocalMap());
   EXPECT_FALSE(back.types.contains("/map"));
+  EXPECT_FALSE(back.types.contains("/Rosa/edges"));
+  const auto edges = back.Get<foxglove::PointCloud>("/a_b/edges");
+  EXPECT_EQ(edges.frame_id(), "map of a/b");
+  ASSERT_EQ(edges.data().size(), 2 * edges.point_stride());
+  for (const auto& [at, x_m, y_m] : {std::tuple(0U, 7.5F, 21.0F), {edges.point_stride(), 14.0F, 21.5F}}) {
+    EXPECT_FLOAT_EQ(At<float>(edges.data(), at), x_m);
+    EXPECT_FLOAT_EQ(At<float>(edges.data(), at + 4), y_m);
+  }
   std::map<std::string, double> beside_m, least_m, most_m;  // in `map`; of the poses in their frame
   for (std::size_t i = 0; i < back.messages.at("/tf").size(); ++i) {
     const auto transform = back.Get<foxglove::FrameTransform>("/tf", i);

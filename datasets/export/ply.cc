@@ -1,5 +1,6 @@
 // PLY (G. Turk, The PLY Polygon File Format, 1994), as text: points with numbers, and lines between them.
 #include "datasets/common/array_text.h"
+#include "datasets/common/trace_edges.h"
 #include "datasets/export/export.h"
 #include "datasets/export/parts.h"
 
@@ -53,6 +54,12 @@ std::string LandmarksPly(const std::vector<MapLandmark>& landmarks) {
   return file.Text(false);
 }
 
+std::string EdgesPly(const std::vector<Point>& edges) {
+  PlyFile file({"x", "y", "z"});
+  for (const Point& edge : edges) file.Add({edge.x_m, edge.y_m, 0});
+  return file.Text(false);
+}
+
 std::string PathPly(const Path& path) {
   PlyFile file({"x", "y", "z", "time_s", "heading_rad"});
   for (std::size_t i = 0; i < path.poses.size(); ++i)
@@ -69,7 +76,12 @@ Written ExportPly(const Blob& blob, const std::string& folder, bool replace) {
     writer.Write("landmarks.ply", LandmarksPly(landmarks));
   else if (blob.Has("map/grid/probability"))
     writer.Write("map.ply", CellsPly(ReadCells(blob)));
-  for (const Path& path : PathsOf(blob)) writer.Write("path_" + path.file + ".ply", PathPly(path));
+  const std::vector<std::vector<Point>> edges = TraceEdges(blob);
+  for (const Path& path : PathsOf(blob)) {
+    writer.Write("path_" + path.file + ".ply", PathPly(path));
+    if (path.index < edges.size() && !edges[path.index].empty())
+      writer.Write("edges_" + path.file + ".ply", EdgesPly(edges[path.index]));
+  }
   return writer.Finish();
 }
 

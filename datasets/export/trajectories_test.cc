@@ -118,6 +118,18 @@ TEST(ExportPly, PathsHaveLinesAndLandmarksTheirCovariances) {
   EXPECT_EQ(path["edge"].rows, (std::vector<std::vector<double>>{{0, 1}, {1, 2}}));
 }
 
+TEST(ExportPly, OfALocalMapTheEdgesThatAreOccupied) {
+  const TestFolder folder;
+  const auto files = ExportPly(SmallLocalMap(), folder / "").value();
+  ASSERT_EQ(files.size(), 3U);
+  EXPECT_TRUE(files[2].ends_with("edges_a_b.ply")) << files[2];
+  const auto rows = ReadPly(files[2])["vertex"].rows;
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_NEAR(rows[0][0], 7.5, 1e-12);
+  EXPECT_NEAR(rows[1][0], 14, 1e-12);
+  EXPECT_NEAR(rows[1][1], 21.5, 1e-12);
+}
+
 TEST(ExportPly, OfAGridMapCellsThatAreRatherOccupied) {
   const TestFolder folder;
   Blob map;

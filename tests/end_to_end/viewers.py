@@ -3,10 +3,12 @@
 
     npm install --prefix viewers @rerun-io/web-viewer@0.33.0 @foxglove/studio-base@1.48.0 react@17 react-dom@17
     cairn export mcap result seen
-    tests/end_to_end/viewers.py viewers/node_modules pictures seen/map.mcap
+    tests/end_to_end/viewers.py viewers/node_modules pictures seen/map.mcap [--at X,Y,DISTANCE]
 
-It fails where a viewer refuses a file, has a remark about it, or where Foxglove does not list each topic. What is drawn is for people to see.
+It fails where a viewer refuses a file, has a remark about it, or where Foxglove does not list each topic. What is drawn is for people to see;
+--at says where Foxglove looks, in metres, and from how far (0,0,150).
 """
+import argparse
 import http.server
 import json
 import pathlib
@@ -30,7 +32,7 @@ FOXGLOVE = '''<meta charset=utf-8><style>html, body, #root { margin: 0; height: 
 <script src="/npm/@foxglove/studio-base/assets/index.js"></script><script>
 const topics = Object.fromEntries(TOPICS.map((topic) => [topic, {visible: true, ...(topic.endsWith("/path") ? {type: "line"} : {})}]));
 const data = {configById: {"3D!1": {topics, followMode: "follow-none", layers: {},
-                                    cameraState: {perspective: true, distance: 150, phi: 30, thetaOffset: 0, targetOffset: [0, 0, 0],
+                                    cameraState: {perspective: true, distance: DISTANCE, phi: 30, thetaOffset: 0, targetOffset: [TARGET, 0],
                                                   target: [0, 0, 0], targetOrientation: [0, 0, 0, 1], fovy: 45, near: 0.5, far: 5000}}},
               globalVariables: {}, userNodes: {}, playbackConfig: {speed: 1}, layout: "3D!1"};
 const layout = {id: "one", name: "one", permission: "CREATOR_WRITE", baseline: {data, savedAt: new Date().toISOString()}};
@@ -105,16 +107,24 @@ def in_foxglove(browser, address, picture, topics):
 
 
 def main():
-    modules, pictures = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
+    parser = argparse.ArgumentParser()
+    for name in ('modules', 'pictures'):
+        parser.add_argument(name, type=pathlib.Path)
+    parser.add_argument('files', nargs='+')
+    parser.add_argument('--at', default='0,0,150')
+    given = parser.parse_args()
+    modules, pictures = given.modules.resolve(), given.pictures
+    target, _, distance = given.at.rpartition(',')
     pictures.mkdir(parents=True, exist_ok=True)
     remarks = []
-    for number, file in enumerate(sys.argv[3:]):
+    for number, file in enumerate(given.files):
         mcap = pathlib.Path(file).read_bytes()
         # The names of topics, from the channels of the summary.
         topics = sorted({name.decode() for name in re.findall(rb'/[A-Za-z0-9_/]+(?=\x08\x00\x00\x00protobuf)', mcap)})
         if not topics:
             raise SystemExit(f'{file}: no topics')
-        pages = {'/map.mcap': mcap, '/rerun': RERUN.encode(), '/foxglove': FOXGLOVE.replace('TOPICS', json.dumps(topics)).encode()}
+        foxglove = FOXGLOVE.replace('TOPICS', json.dumps(topics)).replace('TARGET', target).replace('DISTANCE', distance)
+        pages = {'/map.mcap': mcap, '/rerun': RERUN.encode(), '/foxglove': foxglove.encode()}
         address = serve(modules, pages)
         for name, look in (('rerun', in_rerun), ('foxglove', lambda *to: in_foxglove(*to, topics))):
             browser = Browser(['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'])

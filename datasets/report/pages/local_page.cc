@@ -3,6 +3,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "datasets/common/trace_edges.h"
 #include "datasets/evaluate/maps/truth.h"
 #include "datasets/evaluate/relations.h"
 #include "datasets/report/drawing/format.h"
@@ -203,16 +204,8 @@ Scene SceneOf(const Blob& result, const LocalResult& local, const Blob* log,
     path.breaks = CutsOf(result, r, local.paths[r]);
     scene.paths.push_back(std::move(path));
   }
-  for (const LocalTrace& trace : local.traces) {
-    for (std::size_t f = 0; f < trace.features.size(); ++f) {
-      for (const double sign : {1.0, -1.0}) {
-        const LocalSide& side = sign > 0 ? trace.features[f].left : trace.features[f].right;
-        if (!side.HasEdge() || !side.occupied) continue;
-        scene.edges.push_back(
-            trace.ToWorld(trace.Z(f), sign * (side.distance_low_m + side.distance_high_m) / 2));
-      }
-    }
-  }
+  for (const std::vector<Point>& edges : TraceEdges(result))
+    scene.edges.insert(scene.edges.end(), edges.begin(), edges.end());
   for (const LocalConnection& link : local.connections) {
     if (!link.loop) continue;
     scene.loops.push_back({local.traces[link.from].ToWorld(link.from_z_m, link.from_u_m),
