@@ -115,6 +115,38 @@ TEST_F(BagInChildTest, ABagThatTakesMoreMemoryThanItMayIsRefused) {
   options_.memory_mb = 0;
   EXPECT_TRUE(ImportInChild().ok());
 }
+
+// Poses, turns of a gyro, scans and transforms of a long drive, in files so small that what this process
+// frees of one is no help to the child.
+TEST_F(BagInChildTest, MemoryDoesNotGrowWithTheDrive) {
+  constexpr int kFiles = 24, kSteps = 2'500, kMemoryMb = 16;
+  for (int file = 0; file < kFiles; ++file) {
+    std::vector<bag::BagMessage> messages;
+    for (int i = file * kSteps; i < (file + 1) * kSteps; ++i) {
+      const double at_s = 1000 + 0.02 * i;
+      const auto add = [&](const char* topic, const char* type, std::string bytes) {
+        messages.push_back({topic, type, at_s, std::move(bytes)});
+      };
+      add("/odom", "nav_msgs/Odometry", bag::OdometryMessage(To::kRos1, at_s, 0.01 * i, 0));
+      add("/imu", "sensor_msgs/Imu", bag::ImuMessage(To::kRos1, at_s, 0));
+      add("/tf", "tf2_msgs/TFMessage", bag::TransformMessage(To::kRos1, at_s, "map", "odom", 0, 1e-6 * i));
+      add("/scan", "sensor_msgs/LaserScan", bag::ScanMessage(To::kRos1, at_s, std::vector<float>(12, 5)));
+    }
+    options_.files.push_back(folder_.Put("drive_" + std::to_string(file) + ".mcap",
+                                         bag::McapBytes(messages, "", bag::McapForm::kWithoutChunks, true)));
+  }
+  options_.gyro = "/imu";
+  options_.truth = "tf";
+  options_.memory_mb = 4 * kMemoryMb;
+  const Result<StoredImport> in_memory = ImportInChild();
+  ASSERT_FALSE(in_memory.ok()) << "the drive is so short that this test shows nothing";
+  ExpectContains(in_memory.status().message(), "more than the 64 MB of memory");
+  options_.folder = folder_ / "";
+  options_.memory_mb = kMemoryMb;
+  const Result<StoredImport> made = ImportInChild();
+  ASSERT_TRUE(made.ok()) << made.status().message();
+  EXPECT_EQ(made.value().report.scans, kFiles * kSteps);
+}
 #endif
 
 TEST_F(BagInChildTest, ACrashIsAStatusAndALongTextComesWhole) {

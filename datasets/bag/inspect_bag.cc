@@ -135,8 +135,8 @@ std::string BagText(const BagInspection& inspection) {
     text += topic.as.empty() ? "; not used\n" : "; as " + topic.as + "\n";
   }
   for (const std::string& remark : inspection.remarks) text += "  " + Printable(remark, 2000) + "\n";
-  const bool has_command = !inspection.command.empty() && !inspection.topics.empty();
-  return !has_command ? text : text + "try: " + inspection.command + "\n";
+  const bool is_usable = std::ranges::any_of(inspection.topics, [](const auto& t) { return !t.as.empty(); });
+  return inspection.command.empty() || !is_usable ? text : text + "try: " + inspection.command + "\n";
 }
 
 }  // namespace cairn::datasets

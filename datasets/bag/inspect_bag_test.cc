@@ -51,6 +51,12 @@ TEST(InspectBag, SaysWhatIsWrong) {
   none.command = "cairn import bag";
   EXPECT_EQ(none.topics.size(), 0U);
   EXPECT_EQ(BagText(none).find("try:"), std::string::npos);
+  const std::vector<bag::BagMessage> heat = {
+      {"/heat", "sensor_msgs/Temperature", 1004, std::string(8, 0), "float64 temperature\n"}};
+  BagInspection useless = InspectBag(folder.Put("heat.bag", bag::Ros1Bytes(heat)));
+  useless.command = "cairn import bag";
+  EXPECT_EQ(useless.topics.size(), 1U);
+  EXPECT_EQ(BagText(useless).find("try:"), std::string::npos) << "there is nothing to import";
 }
 
 TEST(InspectBag, WhatItQuotesEndsNoLine) {
