@@ -53,9 +53,10 @@ void Number(Events* events) {
   for (std::size_t i = 0; i < events->size(); ++i) (*events)[i].stamp_s = static_cast<double>(i);
 }
 
-// Takes out what is out of place.
-void DropLate(const std::string& path, BadLines* bad, ImportReport* report, Events* events) {
+// Takes out what is out of place. Returns whether the others are in the order of time.
+bool DropLate(const std::string& path, BadLines* bad, ImportReport* report, Events* events) {
   double latest_s = -std::numeric_limits<double>::infinity();
+  bool in_order = true;
   events->EraseIf([&](const RangeEvent& event) {
     const bool late = event.stamp_s < latest_s - kMostLate_s;
     if (IsPoseAlone(event) && (late || event.stamp_s <= 0)) {
@@ -66,10 +67,11 @@ void DropLate(const std::string& path, BadLines* bad, ImportReport* report, Even
     if (late)
       bad->Add(path, event.line, "time runs backwards",
                std::to_string(event.stamp_s) + " after " + std::to_string(latest_s));
-    else
-      latest_s = std::max(latest_s, event.stamp_s);
+    in_order = in_order && (late || event.stamp_s >= latest_s);
+    latest_s = std::max(latest_s, event.stamp_s);
     return late;
   });
+  return in_order;
 }
 
 // Events of one stamp, from `first` to `end`: their times, of which the first is `time_s`. Returns the last.
@@ -171,8 +173,7 @@ void Order(RangeLog* log, BadLines* bad, ImportReport* report) {
       report->warnings.emplace_back("the time stamps do not tell the scans apart: time is the line's number");
     Number(&log->events);
   } else {
-    DropLate(log->path, bad, report, &log->events);
-    SortByTime(&log->events);
+    if (!DropLate(log->path, bad, report, &log->events)) SortByTime(&log->events);
   }
   TellTimesApart(report, &log->events);
 }
@@ -188,6 +189,7 @@ void AddSensed(RangeLog* log, double first_s, double last_s, NameIndex* known, I
   std::vector<SpooledRows<std::size_t>> rows(log->sensors.size(), none);  // of each sensor's own
   for (RangeRows& sensor : log->sensors) sensor.time_s = no_times;
   for (const RangeEvent& event : log->events) {
+    if (IsPoseAlone(event)) continue;  // most of them
     if (event.stamp_s < first_s || event.stamp_s > last_s) {
       const char* what = event.sensor ? "scan" : event.mark ? "mark" : "landmark";
       ++report->dropped[std::string(what) + " outside the odometry's time"];
@@ -228,7 +230,6 @@ void AddRobot(RangeLog* ranges, BadLines* bad, NameIndex* names, ImportReport* r
     throw InputError(ranges->path + ": there is neither odometry nor a pose in it");
   const double first_s = odometry.time_s.front(), last_s = odometry.time_s.back();
   robot->truth = std::move(poses.truth);
-  ranges->events.EraseIf(IsPoseAlone);  // most of them
   robot->name = ranges->robot;
   robot->odometry = ControlsOf(odometry);
   robot->odometry_poses = std::move(odometry);
