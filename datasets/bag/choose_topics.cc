@@ -177,7 +177,7 @@ class TopicChoice {
       scans.push_back(std::make_unique<ScanTopic>());
       scans.back()->topic = topic->name;
       scans.back()->folder = options_.folder;
-      scans.back()->events = SpooledRows<RangeEvent>(options_.folder);
+      scans.back()->times = SpooledRows<ScanTime>(options_.folder);
       scans.back()->cones = SpooledRows<ConeReading>(options_.folder);
       add_(*topic, topic->use->use == Use::kCloud ? ReaderOfCloud(*topic, scans.back().get())
                                                   : ReadScans(topic->type, scans.back().get()));

@@ -62,10 +62,6 @@ class CloudReader : public TopicReader {
     const auto time_s = clock->At(found[0].numbers, message.receive_ns);
     if (!time_s) return;
     if (topic_.beams == 0) Begin(found[10]);
-    RangeEvent event;
-    event.line = message.number;
-    event.stamp_s = *time_s;
-    event.row = static_cast<std::uint32_t>(topic_.events.size());
     scan_.assign(kSectors, std::numeric_limits<double>::quiet_NaN());
     seen_.assign(kSectors, false);
     for (std::size_t row = 0; columns > 0 && row < rows; ++row)
@@ -73,7 +69,7 @@ class CloudReader : public TopicReader {
         AddPoint(axes, data.data() + row * row_bytes + column * point_bytes, scan_);
     topic_.scans.Add(scan_, 0, {});
     for (std::size_t i = 0; i < kSectors; ++i) topic_.scans_with_points[i] += seen_[i] ? 1 : 0;
-    topic_.events.push_back(event);
+    topic_.times.push_back({*time_s, message.number});
   }
 
  private:

@@ -275,7 +275,7 @@ class BagLog {
   }
 
   void AddLaser(ScanTopic* scan) {
-    if (scan->events.empty()) return;
+    if (scan->times.empty()) return;
     constexpr std::size_t kMostLasers = 5;
     if (lasers_ == kMostLasers) throw InputError("a log has at most five lasers; --scan names which");
     RangeRows rows;
@@ -289,11 +289,16 @@ class BagLog {
       if (rows.beams_kept.empty() || rows.beams_kept[beam])
         AddBeam(mount, scan->first_rad + static_cast<double>(beam) * scan->step_rad, &rows, &steepest);
     WarnOfTilt(scan->topic, steepest);
-    for (RangeEvent event : scan->events) {
-      event.sensor = static_cast<std::uint32_t>(ranges_.sensors.size());
+    RangeEvent event;
+    event.sensor = static_cast<std::uint32_t>(ranges_.sensors.size());
+    event.row = 0;
+    for (const ScanTime& scanned : scan->times) {
+      event.line = scanned.number;
+      event.stamp_s = scanned.time_s;
       ranges_.events.push_back(event);
+      ++*event.row;
     }
-    scan->events.clear();
+    scan->times.clear();
     rows.scans = std::make_shared<ScanRows>(std::move(scan->scans));
     ranges_.sensors.push_back(std::move(rows));
   }
@@ -302,7 +307,7 @@ class BagLog {
   static std::vector<bool> BeamsWithPoints(const ScanTopic& scan) {
     std::vector<bool> beams;
     for (const std::size_t count : scan.scans_with_points)
-      beams.push_back(count > 0 && 100 * count >= scan.events.size());
+      beams.push_back(count > 0 && 100 * count >= scan.times.size());
     if (!beams.empty() && std::ranges::find(beams, true) == beams.end())
       throw InputError(scan.topic + ": there is hardly a point in its clouds");
     return beams;

@@ -178,18 +178,14 @@ class ScanReader : public TopicReader {
     if (!time_s) return;
     if (has_echoes_ && FirstNumber(found[7]) != static_cast<double>(ranges.size()))
       throw LineError{"beams of other than one echo", "take the topic of first echoes as LaserScan"};
-    if (topic_.events.empty() && topic_.beams == 0) Begin(first, step, reach, ranges.size(), found[6]);
+    if (topic_.times.empty() && topic_.beams == 0) Begin(first, step, reach, ranges.size(), found[6]);
     if (ranges.size() != topic_.beams)
       throw LineError{"other beams than the topic's first scan",
                       std::to_string(ranges.size()) + " instead of " + std::to_string(topic_.beams)};
     constexpr double kSame = 1e-4;
     if (!(std::abs(first - topic_.first_rad) < kSame && std::abs(step - topic_.step_rad) < kSame))
       throw LineError{"other geometry than the topic's first scan", "its start angle or increment changed"};
-    RangeEvent event;
-    event.line = message.number;
-    event.stamp_s = *time_s;
-    event.row = static_cast<std::uint32_t>(topic_.events.size());
-    topic_.events.push_back(event);
+    topic_.times.push_back({*time_s, message.number});
     // REP 117: nearer than the least range is no reading, NaN none, infinity nothing within reach.
     intensity_.clear();
     if (found[8].numbers.size() == ranges.size())

@@ -52,6 +52,12 @@ struct ConeReading {
   double range_m = 0;
 };
 
+// When a scan was made, and in which message it came.
+struct ScanTime {
+  double time_s = 0;
+  std::size_t number = 0;
+};
+
 // Scans of one topic before it is known where its sensor sits.
 struct ScanTopic {
   std::string topic, frame;
@@ -59,9 +65,9 @@ struct ScanTopic {
   double opening_rad = 0, max_range_m = 0;
   bool is_infrared = false;
   std::size_t beams = 0;
-  std::filesystem::path folder;    // for its scans (ScanRows)
-  ScanRows scans;                  // of a laser: a row for each event
-  SpooledRows<RangeEvent> events;  // without a sensor
+  std::filesystem::path folder;  // for its scans (ScanRows)
+  ScanRows scans;                // of a laser: a row for each time
+  SpooledRows<ScanTime> times;
   SpooledRows<ConeReading> cones;  // or these
   // Of clouds: beams are as the robot has them, about this place; and how many scans had points there.
   std::optional<Pose> level_at;
