@@ -63,12 +63,12 @@ class CloudReader : public TopicReader {
     if (!time_s) return;
     if (topic_.beams == 0) Begin(found[10]);
     scan_.assign(kSectors, std::numeric_limits<double>::quiet_NaN());
-    seen_.assign(kSectors, false);
+    seen_.assign(kSectors, 0);
     for (std::size_t row = 0; columns > 0 && row < rows; ++row)
       for (std::size_t column = 0; column < columns; ++column)
         AddPoint(axes, data.data() + row * row_bytes + column * point_bytes, scan_);
     topic_.scans.Add(scan_, 0, {});
-    for (std::size_t i = 0; i < kSectors; ++i) topic_.scans_with_points[i] += seen_[i] ? 1 : 0;
+    for (std::size_t i = 0; i < kSectors; ++i) topic_.scans_with_points[i] += seen_[i];
     topic_.times.push_back({*time_s, message.number});
   }
 
@@ -97,12 +97,13 @@ class CloudReader : public TopicReader {
 
   void AddPoint(const std::array<Axis, 3>& axes, const std::byte* bytes, std::span<double> range_m) {
     const PointInSpace at = Apply(mount_, {axes[0].In(bytes), axes[1].In(bytes), axes[2].In(bytes)});
-    const double x = at.x - mount_.x, y = at.y - mount_.y, range = std::hypot(x, y);
-    if (!(range > 0) || !std::isfinite(range) || !std::isfinite(at.z)) return;
+    const double x = at.x - mount_.x, y = at.y - mount_.y;
+    if ((x == 0 && y == 0) || !std::isfinite(x + y + at.z)) return;
     const double turns = (std::atan2(y, x) + std::numbers::pi) / kSector_rad;
     const auto sector = std::min(static_cast<std::size_t>(std::max(turns, 0.0)), kSectors - 1);
-    seen_[sector] = true;
+    seen_[sector] = 1;
     if (!(at.z >= cut_.low_m && at.z <= cut_.high_m)) return;
+    const double range = std::hypot(x, y);  // of few
     double& nearest = range_m[sector];
     if (!(nearest <= range)) nearest = range;
   }
@@ -112,7 +113,7 @@ class CloudReader : public TopicReader {
   ScanTopic& topic_;
   Transform mount_;
   std::vector<double> scan_;
-  std::vector<bool> seen_;  // of this cloud, at any height
+  std::vector<std::uint8_t> seen_;  // of this cloud, at any height
 };
 
 }  // namespace

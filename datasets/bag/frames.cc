@@ -30,14 +30,6 @@ double TurnBetween(const Transform& a, const Transform& b) {
 
 double Transform::Yaw() const { return std::atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz)); }
 
-PointInSpace Apply(const Transform& t, const PointInSpace& p) {
-  // p + 2 w (v x p) + 2 v x (v x p), v the rotation's vector.
-  const double cx = t.qy * p.z - t.qz * p.y, cy = t.qz * p.x - t.qx * p.z, cz = t.qx * p.y - t.qy * p.x;
-  return {t.x + p.x + 2 * (t.qw * cx + t.qy * cz - t.qz * cy),
-          t.y + p.y + 2 * (t.qw * cy + t.qz * cx - t.qx * cz),
-          t.z + p.z + 2 * (t.qw * cz + t.qx * cy - t.qy * cx)};
-}
-
 Transform Compose(const Transform& a, const Transform& b) {
   const PointInSpace at = Apply(a, {b.x, b.y, b.z});
   return {at.x,

@@ -33,7 +33,13 @@ std::optional<Transform> MakeTransform(double x, double y, double z, double qx, 
 struct PointInSpace {
   double x = 0, y = 0, z = 0;
 };
-PointInSpace Apply(const Transform& transform, const PointInSpace& point);
+inline PointInSpace Apply(const Transform& t, const PointInSpace& p) {
+  // p + 2 w (v x p) + 2 v x (v x p), v the rotation's vector.
+  const double cx = t.qy * p.z - t.qz * p.y, cy = t.qz * p.x - t.qx * p.z, cz = t.qx * p.y - t.qy * p.x;
+  return {t.x + p.x + 2 * (t.qw * cx + t.qy * cz - t.qz * cy),
+          t.y + p.y + 2 * (t.qw * cy + t.qz * cx - t.qx * cz),
+          t.z + p.z + 2 * (t.qw * cz + t.qx * cy - t.qy * cx)};
+}
 
 // "/base_link" as "base_link".
 std::string FrameName(std::string_view name);
