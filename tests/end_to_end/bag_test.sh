@@ -54,6 +54,35 @@ for log in gyro wheels; do
 done
 refuses "no field 'poses.x'; the nearest: " cairn import bag robots.bag x.h5 --robots anna --landmarks poles:x=poses.x,y=poses.y
 
+# Bags of ROS 2, by @mcap/core and SQLite's shell, of a robot that drives straight on.
+# CAIRN_NODE_MODULES: a folder with what make_ros2_bags.mjs needs, where they are to be made anew.
+awk 'BEGIN {
+  for (i = 0; i <= 30; i++) {
+    t = sprintf("%.6f", 1000000000 + 0.25 * i)
+    printf "FLASER 19"
+    for (b = 0; b <= 18; b++) printf " %.2f", 1 + (7 * i + 3 * b) % 11 / 4
+    printf " %g %g 0 %g %g 0 %s h %s\n", 0.1 * i, 0.03 * i, 0.1 * i, 0.03 * i, t, t
+  }
+}' >straight.log
+/usr/bin/python3 "$CAIRN_SOURCE/tests/end_to_end/make_bag.py" straight.log ros1.bag same-straight.log
+exits 0 cairn import carmen same-straight.log same-straight.h5
+tar -xzf "$CAIRN_SOURCE/tests/end_to_end/ros2_bags.tar.gz"
+if command -v node >/dev/null && [ -d "${CAIRN_NODE_MODULES:-}/@mcap/core" ]; then
+  NODE_PATH=$CAIRN_NODE_MODULES node "$CAIRN_SOURCE/tests/end_to_end/make_ros2_bags.mjs" straight.log made-chunked.mcap made-plain.mcap made.sql
+  for file in chunked.mcap plain.mcap; do cmp "$file" "made-$file" || die "ros2_bags.tar.gz has another $file"; done
+  cmp drive.sql made.sql || die "ros2_bags.tar.gz has another drive.sql"
+fi
+bags=(ros1.bag chunked.mcap plain.mcap)
+if command -v sqlite3 >/dev/null; then
+  sqlite3 drive.db3 <drive.sql
+  bags+=(drive.db3)
+fi
+for bag in "${bags[@]}"; do
+  exits 0 cairn import bag "$bag" "$bag.h5"
+  says '^cairn: read 31: messages of /scan$'
+  same_bits same-straight.h5 "$bag.h5"
+done
+
 [ -n "${CAIRN_DATA:-}" ] && [ -d "$CAIRN_DATA/carmen-intel" ] || skip "CAIRN_DATA names no folder that holds carmen-intel"
 /usr/bin/python3 "$CAIRN_SOURCE/tests/end_to_end/make_bag.py" "$CAIRN_DATA/carmen-intel/intel-raw.log.gz" intel.bag intel.log lz4
 exits 0 cairn import bag intel.bag intel.h5
