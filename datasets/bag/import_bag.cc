@@ -43,6 +43,12 @@ class BadMessages {
     ++skipped_;
   }
   std::int64_t skipped() const { return skipped_; }
+  std::string Reasons() const {
+    std::string reasons;
+    for (const auto& [reason, count] : counts_)
+      reasons += (reasons.empty() ? "" : ", ") + reason + " (" + std::to_string(count) + ")";
+    return reasons;
+  }
   const std::map<std::string, std::int64_t>& counts() const { return counts_; }
 
  private:
@@ -73,9 +79,14 @@ class BagImport {
     CheckNoise(options_.noise);
     Gather();
     WarnOfClocks();
-    ImportReport made = bag::MakeBagLog(std::move(robots_), std::move(report_), log);
-    made.skipped = bad_.counts();
-    return made;
+    try {
+      ImportReport made = bag::MakeBagLog(std::move(robots_), std::move(report_), log);
+      made.skipped = bad_.counts();
+      return made;
+    } catch (const InputError& error) {  // of what was skipped it may be the consequence
+      if (bad_.skipped() == 0) throw;
+      throw InputError(std::string(error.what()) + " (skipped: " + bad_.Reasons() + ")");
+    }
   }
 
  private:
@@ -252,12 +263,9 @@ class BagImport {
       if (topic.taken > 0) report_.read["messages of " + topic.name] = topic.taken;
     }
     if (bad_.skipped() <= taken) return;
-    std::string reasons;
-    for (const auto& [reason, count] : bad_.counts())
-      reasons += (reasons.empty() ? "" : ", ") + reason + " (" + std::to_string(count) + ")";
     throw InputError(options_.files.front() + ": --skip-bad leaves " + std::to_string(taken) + " of " +
                      std::to_string(taken + bad_.skipped()) + " messages, less than half; skipped: " +
-                     reasons + ". Without --skip-bad the first such message is named");
+                     bad_.Reasons() + ". Without --skip-bad the first such message is named");
   }
 
   // Topics whose headers were written by other clocks than the odometry's.

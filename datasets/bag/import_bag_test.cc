@@ -170,6 +170,38 @@ TEST_F(ImportBagTest, BadMessagesAreNamedAndSkippedWhereAsked) {
   ExpectContains(Refusal(messages), "--skip-bad leaves 2 of 22 messages, less than half");
 }
 
+TEST_F(ImportBagTest, ALeapOfAClockIsTheMessagesThatLeaps) {
+  auto messages = bag::SmallDrive(To::kRos1);
+  const auto odometry = [&](std::size_t i, double stamp_s) {
+    messages[i].bytes = bag::OdometryMessage(To::kRos1, stamp_s, 0.1, 0);
+  };
+  ASSERT_EQ(messages[14].topic, "/odom");
+  odometry(14, messages[14].receive_s + 5000);
+  ExpectContains(Refusal(messages), "message 8 of /odom: time jumps ahead: 6003.5");
+  ExpectContains(Refusal(messages), "the recorder's clock went on by 0.5");
+  options_.skip_bad = true;
+  EXPECT_EQ(Import(messages).skipped, (std::map<std::string, std::int64_t>{{"time jumps ahead", 1}}));
+  // Clocks that never went together tell nothing: a recording of what was played fast.
+  options_.skip_bad = false;
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    messages[i].receive_s = 1000 + 0.01 * static_cast<double>(i);
+    const double stamp_s = 1000 + 40 * static_cast<double>(i);
+    messages[i].bytes = messages[i].topic == "/odom"
+                            ? bag::OdometryMessage(To::kRos1, stamp_s, 0.1 * static_cast<double>(i), 0)
+                            : bag::ScanMessage(To::kRos1, stamp_s, {1, 2, 3, 4, 5});
+  }
+  EXPECT_EQ(Import(messages).scans, 10);
+}
+
+TEST_F(ImportBagTest, WhatIsLeftWithoutOdometrySaysWhatWasSkipped) {
+  auto messages = bag::SmallDrive(To::kRos1);
+  for (bag::BagMessage& message : messages)
+    if (message.topic == "/odom") message.bytes = bag::OdometryMessage(To::kRos1, 0, 0.2, 0);
+  options_.skip_bad = true;
+  const std::string refusal = Refusal(messages);
+  ExpectContains(refusal, "there is neither odometry nor a pose in it (skipped: no time in its header (11))");
+}
+
 TEST_F(ImportBagTest, TimesAreTheRecordersWhereAsked) {
   auto messages = bag::SmallDrive(To::kRos1);
   for (BagMessage& message : messages)

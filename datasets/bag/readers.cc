@@ -303,8 +303,29 @@ std::optional<double> TopicClock::At(const std::vector<double>& header, std::int
   constexpr double kMostLate_s = 1;
   if (time_s < latest_s_ - kMostLate_s)
     throw LineError{"time runs backwards", std::to_string(time_s) + " after " + std::to_string(latest_s_)};
+  if (Leaps(time_s, received_s))
+    throw LineError{"time jumps ahead",
+                    std::to_string(time_s) + " after " + std::to_string(latest_s_) +
+                        ", while the recorder's clock went on by " +
+                        std::to_string(received_s - latest_received_s_) +
+                        " s: was a clock set anew? --by-receipt takes the recorder's times"};
+  if (taken_++ == 0) {
+    first_s_ = time_s;
+    first_received_s_ = received_s;
+  }
   latest_s_ = std::max(latest_s_, time_s);
+  latest_received_s_ = received_s;
   return WithinPath(time_s);
+}
+
+bool TopicClock::Leaps(double time_s, double received_s) const {
+  constexpr double kLeast_s = 60, kLeastCovered_s = 1, kSame = 0.5;
+  constexpr std::int64_t kLeastTaken = 5;
+  const double went_s = latest_s_ - first_s_, passed_s = latest_received_s_ - first_received_s_;
+  const bool goes_along =
+      taken_ >= kLeastTaken && passed_s >= kLeastCovered_s && std::abs(went_s - passed_s) <= kSame * passed_s;
+  return goes_along && received_s >= latest_received_s_ &&
+         (time_s - latest_s_) - (received_s - latest_received_s_) > kLeast_s;
 }
 
 std::optional<double> TopicClock::WithinPath(double time_s) const {

@@ -29,7 +29,8 @@ class TopicClock {
  public:
   explicit TopicClock(const ClockOptions& options) : options_(options) {}
   // Nothing where the message is before --from or after --until. `header`: the stamp's numbers; empty where
-  // the message has none. Throws LineError: the stamp is zero, or more than a second behind one before it.
+  // the message has none. Throws LineError: the stamp is zero, more than a second behind one before it, or
+  // leaps ahead by a minute and more, where before it went on as the recorder's clock does.
   std::optional<double> At(const std::vector<double>& header, std::int64_t receive_ns);
   // The same of a time that was looked at already.
   std::optional<double> WithinPath(double time_s) const;
@@ -40,7 +41,11 @@ class TopicClock {
   std::optional<double> least_delay_s() const { return least_delay_s_; }
 
  private:
+  bool Leaps(double time_s, double received_s) const;
+
   const ClockOptions& options_;
+  std::int64_t taken_ = 0;
+  double first_s_ = 0, first_received_s_ = 0, latest_received_s_ = 0;
   double latest_s_ = -std::numeric_limits<double>::infinity();
   std::optional<double> least_delay_s_;
 };

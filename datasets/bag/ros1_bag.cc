@@ -200,6 +200,7 @@ class Ros1Bag : public Container {
         next = record.end;
         if (record.end > file_.size()) {
           next = 0;
+          ReadBeforeTheEnd(record, fields, take);
           throw Damage{"the file ends within it"};
         }
         ReadRecord(record, fields, take);
@@ -256,6 +257,18 @@ class Ros1Bag : public Container {
       if (op != kConnection && op != kMessage) throw Damage{"a record that no chunk has"};
       ReadRecord(record, fields, take);
       at = record.end;
+    }
+  }
+
+  // What is whole of a plain chunk that the file ends within.
+  void ReadBeforeTheEnd(const Record& record, const RosFields& fields, const Take& take) {
+    if (fields.Number<std::uint8_t>("op") != kChunk || !IsPlain(std::string(fields.Text("compression"))))
+      return;
+    Record there = record;
+    there.end = file_.size();
+    try {
+      ReadPlainChunk(there, take);
+    } catch (const Damage&) {  // the file's end, which is told
     }
   }
 
