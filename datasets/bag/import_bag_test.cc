@@ -170,6 +170,30 @@ TEST_F(ImportBagTest, BadMessagesAreNamedAndSkippedWhereAsked) {
   ExpectContains(Refusal(messages), "--skip-bad leaves 2 of 22 messages, less than half");
 }
 
+TEST_F(ImportBagTest, OfAnSqliteFileThatIsCutOffWhatIsThereIsRead) {
+  std::vector<bag::BagMessage> messages;
+  constexpr int kMessages = 400;
+  for (int i = 0; i < kMessages; ++i) {
+    const double at_s = 1000 + 0.1 * i;
+    messages.push_back(
+        {"/odom", "nav_msgs/Odometry", at_s, bag::OdometryMessage(To::kCdr, at_s, 0.01 * i, 0)});
+    messages.push_back(
+        {"/scan", "sensor_msgs/LaserScan", at_s, bag::ScanMessage(To::kCdr, at_s, {1, 2, 3, 4, 5})});
+  }
+  bag::WriteSqliteBag(folder_ / "whole.db3", messages, true);
+  const std::string whole = FileText(folder_ / "whole.db3");
+  options_.files = {folder_.Put("cut.db3", whole.substr(0, whole.size() * 3 / 4))};
+  const std::string refusal = InputErrorOf([&] { ImportBag(options_, &log_); });
+  ExpectContains(refusal, "cut.db3: after message ");
+  ExpectContains(refusal, "--skip-bad");
+  options_.skip_bad = true;
+  const ImportReport report = ImportBag(options_, &log_);
+  EXPECT_EQ(report.skipped, (std::map<std::string, std::int64_t>{{"part of a file that cannot be read", 1}}));
+  EXPECT_GT(report.scans, kMessages / 2);
+  EXPECT_LT(report.scans, kMessages);
+  ExpectContains(report.warnings.front(), "cut.db3: the file ends within it");
+}
+
 TEST_F(ImportBagTest, ALeapOfAClockIsTheMessagesThatLeaps) {
   auto messages = bag::SmallDrive(To::kRos1);
   const auto odometry = [&](std::size_t i, double stamp_s) {

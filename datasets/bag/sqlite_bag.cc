@@ -2,9 +2,11 @@
 // `message_definitions`.
 #include <sqlite3.h>
 
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -92,13 +94,33 @@ class SqliteBag : public Container {
     const int code = sqlite3_open_v2(uri.c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
     db_.reset(opened);
     if (code != SQLITE_OK) throw InputError(path() + ": cannot be opened: " + sqlite3_errstr(code));
-    for (const auto& [option, on] : {std::pair{SQLITE_DBCONFIG_DEFENSIVE, 1},
+    // SQLite takes a file that ends before its last page for none, but of those who may mend it.
+    const bool is_cut = !pending && EndsBeforeItsLastPage();
+    if (is_cut) remarks_.emplace_back("the file ends within it");
+    for (const auto& [option, on] : {std::pair{SQLITE_DBCONFIG_DEFENSIVE, is_cut ? 0 : 1},
+                                     {SQLITE_DBCONFIG_WRITABLE_SCHEMA, is_cut ? 1 : 0},
                                      {SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0},
                                      {SQLITE_DBCONFIG_ENABLE_TRIGGER, 0},
                                      {SQLITE_DBCONFIG_ENABLE_VIEW, 0}})
       sqlite3_db_config(opened, option, on, nullptr);
     sqlite3_limit(opened, SQLITE_LIMIT_LENGTH, static_cast<int>(kMostRecordBytes));
     LimitSteps();
+  }
+
+  // By its header (https://www.sqlite.org/fileformat2.html#the_database_header), where that counts the pages.
+  bool EndsBeforeItsLastPage() const {
+    constexpr std::size_t kPageBytesAt = 16, kChangedAt = 24, kPagesAt = 28, kCountedAt = 92, kBytes = 100;
+    std::array<unsigned char, kBytes> header{};
+    const Result<RegularFile> file = RegularFile::Open(path());
+    if (!file.ok() || file.value().ReadAt(std::as_writable_bytes(std::span(header)), 0) != 0) return false;
+    const auto number = [&](std::size_t at, std::size_t bytes) {
+      std::uint64_t value = 0;
+      for (std::size_t i = 0; i < bytes; ++i) value = value << 8 | header.at(at + i);
+      return value;
+    };
+    const std::uint64_t page_bytes = number(kPageBytesAt, 2) == 1 ? 65536 : number(kPageBytesAt, 2);
+    return number(kChangedAt, 4) == number(kCountedAt, 4) &&
+           file.value().size() < number(kPagesAt, 4) * page_bytes;
   }
 
   // Pages that name each other in a circle would be read for ever. Each step of SQLite's machine reads no
@@ -182,7 +204,20 @@ class SqliteBag : public Container {
         Cover(sqlite3_column_int64(query.get(), 2), sqlite3_column_int64(query.get(), 3));
       }
     } catch (const Damage&) {
-      remarks_.emplace_back("its messages cannot be counted: the file is damaged");
+      remarks_.emplace_back("its messages are counted as far as they can be read: the file is damaged");
+      CountOneByOne();
+    }
+  }
+  void CountOneByOne() {
+    try {
+      const Query query = Prepare("SELECT topic_id, timestamp FROM messages ORDER BY rowid");
+      while (Next(query.get())) {
+        const auto channel = topics_.find(sqlite3_column_int64(query.get(), 0));
+        if (channel == topics_.end()) continue;
+        Count(channel->second, 1);
+        Cover(sqlite3_column_int64(query.get(), 1), sqlite3_column_int64(query.get(), 1));
+      }
+    } catch (const Damage&) {  // who reads them is told
     }
   }
 

@@ -343,6 +343,7 @@ inline void WriteSqliteBag(const std::string& path, const std::vector<BagMessage
     CAIRN_DEMAND(sqlite3_step(statement) == SQLITE_DONE, sqlite3_errmsg(db));
     sqlite3_finalize(statement);
   };
+  run("PRAGMA synchronous = OFF", {});
   run("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, "
       "serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL)",
       {});
