@@ -122,7 +122,9 @@ class Parser {
 
   // Of one that the text leaves out, as it is known.
   std::vector<std::string_view> LinesOf(const std::string& name) {
-    const auto found = texts_.find(name);
+    auto found = texts_.find(name);
+    // As ROS had it until 2010 (C Turtle).
+    if (found == texts_.end() && name == "std_msgs/Header") found = texts_.find("roslib/Header");
     if (found != texts_.end()) return found->second;
     const std::string_view known = KnownDefinition(name);
     if (known.empty()) throw Damage{"a definition that does not say what '" + Printable(name, 80) + "' is"};

@@ -247,6 +247,7 @@ TEST_F(ImportBagTest, WhatIsNoBagOrIsEncryptedIsToldSo) {
   ExpectContains(Refusal(bag::Ros1Bytes(bag::SmallDrive(To::kRos1), "none", true, "rosbag/AesCbcEncryptor")),
                  "encrypted by 'rosbag/AesCbcEncryptor'");
   ExpectContains(Refusal("#ROSBAG V1.2\nwhatever"), "a bag of another version");
+  ExpectContains(Refusal("#ROSRECORD V1.2\nwhatever"), "a bag of another version");
   ExpectContains(Refusal("\x28\xB5\x2F\xFDpacked"), "unzstd");
   ExpectContains(Refusal(""), "no bag");
   options_.files = {folder_ / "none.bag"};

@@ -120,6 +120,12 @@ BagInspection InspectBag(const std::string& path) {
   return inspection;
 }
 
+bool MakesALog(const BagInspection& inspection) {
+  return std::ranges::any_of(inspection.topics, [](const BagTopic& topic) {
+    return topic.as.starts_with("odometry") || topic.as == "where sensors sit";
+  });
+}
+
 std::string BagText(const BagInspection& inspection) {
   std::string text = fmt::format("{}, {} topics over {:.1f} s from {:.3f} s\n", inspection.what,
                                  inspection.topics.size(), inspection.length_s, inspection.first_s);
@@ -135,8 +141,9 @@ std::string BagText(const BagInspection& inspection) {
     text += topic.as.empty() ? "; not used\n" : "; as " + topic.as + "\n";
   }
   for (const std::string& remark : inspection.remarks) text += "  " + Printable(remark, 2000) + "\n";
-  const bool is_usable = std::ranges::any_of(inspection.topics, [](const auto& t) { return !t.as.empty(); });
-  return inspection.command.empty() || !is_usable ? text : text + "try: " + inspection.command + "\n";
+  if (!MakesALog(inspection))
+    return text + "  nothing in it says how a robot moved: no log can be made of it alone\n";
+  return inspection.command.empty() ? text : text + "try: " + inspection.command + "\n";
 }
 
 }  // namespace cairn::datasets

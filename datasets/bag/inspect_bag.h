@@ -31,6 +31,9 @@ struct BagInspection {
 // what is damaged within it is a remark.
 BagInspection InspectBag(const std::string& path);
 
+// Whether something in it says how a robot moved, without which there is no log.
+bool MakesALog(const BagInspection& inspection);
+
 std::string BagText(const BagInspection& inspection);
 
 }  // namespace cairn::datasets

@@ -57,6 +57,7 @@ TEST(InspectBag, SaysWhatIsWrong) {
   useless.command = "cairn import bag";
   EXPECT_EQ(useless.topics.size(), 1U);
   EXPECT_EQ(BagText(useless).find("try:"), std::string::npos) << "there is nothing to import";
+  ExpectContains(BagText(useless), "nothing in it says how a robot moved");
 }
 
 TEST(InspectBag, WhatItQuotesEndsNoLine) {

@@ -75,6 +75,19 @@ TEST(MessageReader, RefusesWhatDoesNotMatchItsDefinition) {
             "the message is longer than its definition says");
 }
 
+TEST(MessageReader, AHeaderMayBeOfTheFirstReleasesOfRos) {
+  const Definition definition = ParseDefinition(
+      "pkg/Old",
+      "Header header\nuint8 last\n====\nMSG: roslib/Header\nuint32 seq\ntime stamp\nstring frame_id\n");
+  MessageReader reader(definition, Wire::kRos1, {"header.stamp", "header.frame_id", "last"});
+  Encoder out(Encoder::To::kRos1);
+  const std::string message = out.Header(10.5, "laser").Put<std::uint8_t>(7).text();
+  const std::vector<Found>& found = reader.Read(std::as_bytes(std::span(message)));
+  EXPECT_EQ(found[0].numbers, (std::vector<double>{10.5}));
+  EXPECT_EQ(found[1].texts.at(0), "laser");
+  EXPECT_EQ(found[2].numbers, (std::vector<double>{7}));
+}
+
 TEST(MessageReader, ASequenceOfNothingHasAnEnd) {
   const std::string endless = "\xFF\xFF\xFF\xFF";
   MessageReader reader(ParseDefinition("p/A", "B[] many\n====\nMSG: p/B\n"), Wire::kRos1, {"many"});

@@ -232,7 +232,7 @@ std::optional<Recognized> RecognizeFolder(const std::string& path) {
 }  // namespace
 
 std::optional<std::string> BagName(std::string_view head) {
-  if (head.starts_with("#ROSBAG V")) return "a ROS 1 bag";
+  if (head.starts_with("#ROSBAG V") || head.starts_with("#ROSRECORD V")) return "a ROS 1 bag";
   if (head.starts_with("\x89MCAP")) return "an MCAP file";
   if (head.starts_with("SQLite format 3")) return "a ROS 2 bag in SQLite";
   return std::nullopt;

@@ -131,7 +131,7 @@ std::string BagJson(const std::string& file, const datasets::BagInspection& bag)
     json["topics"].push_back(std::move(one));
   }
   json["commands"] = nlohmann::ordered_json::array();
-  if (!bag.topics.empty()) json["commands"].push_back(bag.command);
+  if (datasets::MakesALog(bag)) json["commands"].push_back(bag.command);
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
