@@ -83,9 +83,11 @@ class BagImport {
       ImportReport made = bag::MakeBagLog(std::move(robots_), std::move(report_), log);
       made.skipped = bad_.counts();
       return made;
-    } catch (const InputError& error) {  // of what was skipped it may be the consequence
-      if (bad_.skipped() == 0) throw;
-      throw InputError(std::string(error.what()) + " (skipped: " + bad_.Reasons() + ")");
+    } catch (const InputError& error) {  // of what was left out it may be the consequence
+      std::string why = error.what();
+      if (bad_.skipped() > 0) why += " (skipped: " + bad_.Reasons() + ")";
+      if (options_.from_s || options_.until_s) why += " (of what lies between --from and --until)";
+      throw InputError(why);
     }
   }
 

@@ -299,6 +299,9 @@ TEST_F(ImportBagTest, NothingIsBetweenATimeAndAnEarlierOne) {
   options_.from_s = 3;
   options_.until_s = 1;
   ExpectContains(Refusal(bag::SmallDrive(To::kRos1)), "--from is later than --until");
+  options_.until_s = {};
+  options_.from_s = 500;
+  ExpectContains(Refusal(bag::SmallDrive(To::kRos1)), "(of what lies between --from and --until)");
 }
 
 }  // namespace
