@@ -32,7 +32,7 @@ set(CAIRN_LINKS_datasets_bag
 set(CAIRN_LINKS_datasets_detect "datasets/import|Eigen3::.*")
 set(CAIRN_LINKS_datasets_simulate "datasets/(common|simulate)")
 set(CAIRN_LINKS_datasets_simulate_corridor "datasets/(common|simulate)|pipelines/image_features")
-set(CAIRN_LINKS_datasets_evaluate "datasets/common|datasets/evaluate/(maps|matching)|nlohmann_json::.*")
+set(CAIRN_LINKS_datasets_evaluate "datasets/common|Eigen3::.*|datasets/evaluate/(maps|matching)|nlohmann_json::.*")
 set(CAIRN_LINKS_datasets_evaluate_matching "datasets/common")
 set(CAIRN_LINKS_datasets_evaluate_maps "datasets/common|datasets/evaluate/matching")
 set(CAIRN_LINKS_datasets_evaluate_learning "datasets/evaluate")

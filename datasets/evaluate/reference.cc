@@ -1,5 +1,7 @@
 #include "datasets/evaluate/reference.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <cmath>
 #include <complex>
 #include <cstddef>
@@ -12,26 +14,13 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Solves A x = b in place, A Hermitian and positive, by Cholesky's A = L D L'. False: A is singular.
-bool SolveHermitian(std::vector<std::vector<Complex>>* matrix, std::vector<Complex>* x) {
-  constexpr double kLeastPivot = 1e-9;  // of the diagonal: what the other unknowns explain is no unknown
-  auto& a = *matrix;
-  const std::size_t n = a.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    const double whole = a[i][i].real();
-    for (std::size_t j = 0; j < i; ++j) {
-      for (std::size_t k = 0; k < j; ++k) a[i][j] -= a[i][k] * a[k][k] * std::conj(a[j][k]);
-      a[i][j] /= a[j][j];
-      a[i][i] -= std::norm(a[i][j]) * a[j][j].real();
-      (*x)[i] -= a[i][j] * (*x)[j];
-    }
-    if (!(a[i][i].real() > kLeastPivot * whole)) return false;
-  }
-  for (std::size_t i = n; i-- > 0;) {
-    (*x)[i] /= a[i][i];
-    for (std::size_t k = i + 1; k < n; ++k) (*x)[i] -= std::conj(a[k][i]) * (*x)[k];
-  }
-  return true;
+// None: `normal` is singular, for what the other unknowns explain is no unknown.
+std::optional<Eigen::VectorXcd> Solve(const Eigen::MatrixXcd& normal, const Eigen::VectorXcd& right) {
+  constexpr double kLeastPivot = 1e-9;
+  const Eigen::VectorXd scale = normal.diagonal().real().cwiseSqrt().cwiseInverse();
+  const Eigen::LDLT<Eigen::MatrixXcd> factors(scale.asDiagonal() * normal * scale.asDiagonal());
+  if (!(factors.vectorD().real().minCoeff() > kLeastPivot)) return std::nullopt;
+  return scale.asDiagonal() * factors.solve(scale.asDiagonal() * right);
 }
 
 }  // namespace
@@ -50,10 +39,10 @@ ReferencePoint ReferencePoint::Parse(const std::string& text) {
 // In the complex plane, with q a true position, p and h the map's position and heading there: s q + t = p +
 // exp(i h) l, which is linear in s, t and each robot's l.
 std::optional<Reference> FitReference(const std::vector<PosesAndPositions>& robots) {
-  const std::size_t size = 2 + robots.size();
-  std::vector<std::vector<Complex>> matrix(size, std::vector<Complex>(size));
-  std::vector<Complex> fit(size);
-  std::size_t count = 0;
+  const auto size = 2 + static_cast<Eigen::Index>(robots.size());
+  Eigen::MatrixXcd normal = Eigen::MatrixXcd::Zero(size, size);
+  Eigen::VectorXcd right = Eigen::VectorXcd::Zero(size);
+  Eigen::Index count = 0;
   const auto each = [&](const auto& take) {
     for (std::size_t r = 0; r < robots.size(); ++r)
       for (const auto& [ours, theirs] : robots[r])
@@ -70,23 +59,25 @@ std::optional<Reference> FitReference(const std::vector<PosesAndPositions>& robo
   mean_ours /= static_cast<double>(count);
   mean_theirs /= static_cast<double>(count);
   each([&](std::size_t r, Complex p, Complex ray, Complex q) {
-    const std::pair<std::size_t, Complex> terms[] = {{0, q - mean_theirs}, {1, 1.0}, {2 + r, -ray}};
+    const std::pair<Eigen::Index, Complex> terms[] = {
+        {0, q - mean_theirs}, {1, 1.0}, {2 + static_cast<Eigen::Index>(r), -ray}};
     for (const auto& [i, by] : terms) {
-      for (const auto& [j, other] : terms) matrix[i][j] += std::conj(by) * other;
-      fit[i] += std::conj(by) * (p - mean_ours);
+      for (const auto& [j, other] : terms) normal(i, j) += std::conj(by) * other;
+      right[i] += std::conj(by) * (p - mean_ours);
     }
   });
-  for (std::size_t r = 0; r < robots.size(); ++r)
-    if (robots[r].empty()) matrix[2 + r][2 + r] = 1.0;  // it has no such unknown
-  if (!SolveHermitian(&matrix, &fit)) return std::nullopt;
+  for (Eigen::Index k = 2; k < size; ++k)
+    if (robots[static_cast<std::size_t>(k) - 2].empty()) normal(k, k) = 1.0;  // it has no such unknown
+  const std::optional<Eigen::VectorXcd> solved = Solve(normal, right);
+  if (!solved) return std::nullopt;
+  const Eigen::VectorXcd& fit = *solved;
   Reference reference;
   const Complex shift = mean_ours + fit[1] - fit[0] * mean_theirs;
   reference.to_map = {std::abs(fit[0]), std::arg(fit[0]), shift.real(), shift.imag()};
-  for (std::size_t r = 0; r < robots.size(); ++r)
-    reference.point.push_back({fit[2 + r].real(), fit[2 + r].imag()});
+  for (Eigen::Index k = 2; k < size; ++k) reference.point.push_back({fit[k].real(), fit[k].imag()});
   double squares = 0;
   each([&](std::size_t r, Complex p, Complex ray, Complex q) {
-    squares += std::norm(fit[0] * q + shift - p - ray * fit[2 + r]);
+    squares += std::norm(fit[0] * q + shift - p - ray * fit[static_cast<Eigen::Index>(r) + 2]);
   });
   reference.rmse_m = std::sqrt(squares / static_cast<double>(count));
   return reference;

@@ -244,7 +244,7 @@ const std::vector<Rule>& Rules() {
        false},
       {"datasets/evaluate",
        {"schema/*", "schema/kinds/", "datasets/common/", "datasets/evaluate/*", "datasets/evaluate/matching/",
-        "datasets/evaluate/maps/", "nlohmann/"},
+        "datasets/evaluate/maps/", "Eigen/", "nlohmann/"},
        false},
       {"datasets/evaluate/matching",
        {"schema/*", "schema/kinds/", "datasets/common/", "datasets/evaluate/matching/"},
