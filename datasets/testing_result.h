@@ -47,7 +47,8 @@ inline Blob SmallResult() {
 // (14, 21.5).
 inline Blob SmallLocalMap() {
   Blob map;
-  for (const auto& [name, array] : SmallResult().fields())
+  const Blob other = SmallResult();
+  for (const auto& [name, array] : other.fields())
     if (!name.starts_with("map/")) map.Put(name, array);
   map.PutScalar("cell_m", 0.5);
   map.PutVector<std::int32_t>("traces/robot", {1});
