@@ -458,6 +458,15 @@ class PackageTest(unittest.TestCase):
         region = _region(1, 2, 2 * np.array([[1.01, 0.99], [0.99, 1.01]]))
         self.assertAlmostEqual(max(region.width, region.height), 2 * 2 * 2.4477, 3)
         self.assertAlmostEqual((region.angle + (90 if region.height > region.width else 0)) % 180, 45)
+        # Names are shown as they are.
+        copy = self.copy(r"run $1 of \foo{$.h5")
+        with h5py.File(copy, "r+") as f:
+            del f["robots"]
+            f["robots"] = [r"$\foo{$", "_b"]
+        ax = cairn.read(copy, changed=True).plot()
+        ax.figure.savefig(io.BytesIO())
+        shown = [text.get_text() for text in (*ax.get_legend().get_texts(), ax.title)]
+        self.assertEqual([text.replace(r"\$", "$").strip() for text in shown], [r"$\foo{$", "_b", copy.name])
         with h5py.File("bare.h5", "w") as f:
             f.attrs["cairn_format"], f.attrs["cairn_kind"] = 1, "samples"
         self.refused("there is neither a map nor a path", cairn.read("bare.h5").plot)

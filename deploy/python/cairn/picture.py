@@ -30,10 +30,15 @@ def draw(file: File, ax: Axes | None) -> Axes:
         ax = plt.figure().add_subplot()
     for part in drawn:
         part(file, ax)
-    ax.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title=file.path.name)
+    ax.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title=_plain(file.path.name))
     if len(ax.get_legend_handles_labels()[0]) > 1:
         ax.legend()
     return ax
+
+
+def _plain(name: str) -> str:
+    """As it is: matplotlib takes $…$ for a formula, and leaves what begins with _ out of legends."""
+    return (" " if name.startswith("_") else "") + name.replace("$", r"\$")
 
 
 # Each draws its part, and says whether there is any.
@@ -91,5 +96,5 @@ def _paths(file: File, ax: Axes | None) -> bool:
             any_path = True
             if ax is not None:
                 label = robot if style == "-" else f"{robot}, odometry alone"
-                ax.plot(path.x_m, path.y_m, style, color=f"C{n % 10}", linewidth=1, label=label)
+                ax.plot(path.x_m, path.y_m, style, color=f"C{n % 10}", linewidth=1, label=_plain(label))
     return any_path
