@@ -202,7 +202,7 @@ struct Weakest {
 };
 
 Weakest FindWeakest(const kinds::LocalMap& map, const Loops& loops) {
-  Weakest weakest{{0, loops.all}, {0, loops.all}};
+  Weakest weakest{{0, loops.all + 1}, {0, loops.all + 1}};  // more than there can be
   for (std::size_t r = 0; r < loops.closed.size(); ++r) {
     const std::vector<Tie>& of_robot = loops.closed[r];
     if (of_robot.empty()) continue;

@@ -69,6 +69,13 @@ TEST(LocalMapVerdict, ATimeThatFewLoopsGoOverIsNamed) {
   EXPECT_EQ(LocalMapVerdict(LocalMapOf(loops, 1)).trust, Confidence::kFair);
 }
 
+// Also where as many go over it as there are, of a log whose first time is not 0.
+TEST(LocalMapVerdict, FewLoopsHangOnATimeOfTheLog) {
+  EXPECT_EQ(LocalMapVerdict(LocalMapOf(Loops(6, 1000, 1090))).Text(),
+            "fair: the path closes all of 6 loops; what comes after 1009 s hangs on 6 of them, and where a "
+            "robot slipped or was carried nothing else says so");
+}
+
 // Up and down a blank corridor: all loops tell the distance to its walls, few how far along it they are.
 TEST(LocalMapVerdict, LoopsThatTellTheDistanceAcrossAloneTieNothingAlong) {
   for (const char* axis : {"connections/tells_x", "connections/tells_y"}) {
@@ -175,9 +182,10 @@ TEST(LocalMapVerdict, WhereTheScansShowAnotherMotionIsNamed) {
   for (const char* turn : {"scans_turn_rad", "odometry_turn_rad", "path_turn_rad"})
     made_good.PutVector(std::string("robot/0/fit/") + turn, std::vector<double>{0, 0});
   made_good.PutVector("robot/0/fit/odometry_apart_m", std::vector<double>{0.6, 3.14});
-  EXPECT_EQ(LocalMapVerdict(made_good).Text(),
-            "fair: the path closes all of 30 loops; from 20 to 21 s the scans show another way than odometry, "
-            "0.6 m apart: the wheels slipped, or the robot was carried; the path follows the scans");
+  EXPECT_EQ(
+      LocalMapVerdict(made_good).Text(),
+      "fair: the path closes all of 30 loops; from 20 to 21 s the scans show another way than odometry, "
+      "0.6 m apart: the wheels slipped, or the robot was carried; the path follows the scans");
   EXPECT_EQ(
       LocalMapVerdict(WithFit(map, 0, 0, true)).Text(),
       "low: the path closes all of 30 loops; from 150 to 153 s the robot was moved, and odometry did not "

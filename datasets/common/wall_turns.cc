@@ -107,13 +107,18 @@ double RobustSd(std::vector<double> values) {
   return 1.4826 * *middle;
 }
 
+// Less what most are off by: where places stand out to one side, they have drawn the drift to it.
+void TakeMedianOff(std::vector<double>* left) {
+  std::vector<double> sorted = *left;
+  std::ranges::sort(sorted);
+  for (double& turn : *left) turn -= sorted[sorted.size() / 2];  // a mean would have the places in it
+}
+
 // Stretches of windows that stand out from the rest, to one side each.
 void CountPlaces(std::vector<double> left, WallTurns* turns) {
   constexpr double kLeast_rad = 5 * std::numbers::pi / 180, kSds = 4;
   if (left.empty()) return;
-  std::vector<double> sorted = left;
-  std::ranges::sort(sorted);
-  for (double& turn : left) turn -= sorted[sorted.size() / 2];  // a mean would have the places in it
+  TakeMedianOff(&left);
   const double least_rad = std::max(kLeast_rad, kSds * RobustSd(left));
   std::vector<double> most_rad;  // of each place
   double before = 0;
@@ -171,7 +176,8 @@ WallTurns FindWallTurns(const kinds::LocalMap::Robot& robot) {
   turns.path_m = nodes.back().travelled_m;
   const Rates rates = Fit(nodes, true);
   turns.turn_scale = rates.scale;
-  const std::vector<double> left = Left(nodes, rates);
+  std::vector<double> left = Left(nodes, rates);
+  TakeMedianOff(&left);
   double squares = 0;
   for (const double turn : left) squares += turn * turn;
   turns.rms_rad = std::sqrt(squares / static_cast<double>(left.size()));

@@ -14,7 +14,8 @@ struct WallTurns {
   double path_m = 0;      // 0: no walls were seen
   double drift_rad = 0;   // the drift that was taken off, over the whole path
   double turn_scale = 0;  // what odometry would make too much of its turns
-  // Turns less that share of odometry's: root mean square, and what most are within (1.48 medians).
+  // Turns less that share of odometry's and their median: root mean square, and what most are within (1.48
+  // medians).
   double rms_rad = 0, sd_rad = 0;
   // Where turns, none taken off for odometry's scale, stand out from the rest, counted at each pass; half of
   // them are off by more than this.

@@ -22,9 +22,9 @@ struct Rounds {
   int laps = 3;
   double bend_rad = 0, drift_rad_per_m = 0.005, walk_rad = 0.01;
   bool one_corner = false;
+  double step_m = 0.25;  // 0.1: the sides are of 12 by 8 m
 
   kinds::LocalMap::Robot Make() const {
-    constexpr double kStep_m = 0.25;
     Rng rng(3);
     std::vector<double> time_s, angle, strength;
     std::vector<std::uint8_t> locked, other;
@@ -34,9 +34,9 @@ struct Rounds {
     for (int side = 0; side < 4 * laps; ++side) {
       const int steps = side % 2 == 0 ? 120 : 80;
       for (int k = 0; k < steps; ++k) {
-        pose.x_m += kStep_m * std::cos(pose.heading_rad);
-        pose.y_m += kStep_m * std::sin(pose.heading_rad);
-        walls += drift_rad_per_m * kStep_m + walk_rad * std::sqrt(kStep_m) * rng.Normal();
+        pose.x_m += step_m * std::cos(pose.heading_rad);
+        pose.y_m += step_m * std::sin(pose.heading_rad);
+        walls += drift_rad_per_m * step_m + walk_rad * std::sqrt(step_m) * rng.Normal();
         poses.push_back(pose);
         time_s.push_back(static_cast<double>(time_s.size()));
         angle.push_back(walls - std::floor(walls / (std::numbers::pi / 2)) * (std::numbers::pi / 2));
@@ -83,6 +83,16 @@ TEST(FindWallTurns, CornersThatAreNotRightAnglesShow) {
   const WallTurns little = FindWallTurns(Rounds{.bend_rad = 10 * kDegree, .one_corner = true}.Make());
   EXPECT_GT(little.alike, 0.5);
   EXPECT_GT(little.alike_rad, 1 * kDegree);
+}
+
+// All steps go to one side, and soon after each other: the drift that fits best takes off a part of each, and
+// leaves the rest of the way off by as much.
+TEST(FindWallTurns, StepsThatLookLikeDriftStandOut) {
+  const WallTurns turns = FindWallTurns(
+      Rounds{.bend_rad = 40 * kDegree, .walk_rad = 0.005, .one_corner = true, .step_m = 0.1}.Make());
+  EXPECT_NEAR(turns.sd_rad, 0.005 * std::sqrt(2), 0.004);
+  EXPECT_GT(turns.rms_rad, 4 * turns.sd_rad);
+  EXPECT_GT(turns.rms_rad, 5 * kDegree);
 }
 
 // One corner of three rounds, and all of them.
