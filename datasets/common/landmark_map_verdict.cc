@@ -346,10 +346,13 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, const SeenO
   // What is seen once fits wherever it was: it tests nothing.
   const std::int64_t testing = observations - static_cast<std::int64_t>(seen.once);
   const bool many = testing >= kMany && explained_share >= kNearlyAll;
-  const Confidence by_number = many ? Confidence::kHigh : Confidence::kFair;
+  const Confidence by_number = testing <= 0 ? Confidence::kNone
+                               : many       ? Confidence::kHigh
+                                            : Confidence::kFair;
   verdict->trust = named ? by_number : std::min(verdict->trust, by_number);
   const std::string fitted =
-      fmt::format("{} observations fit the map", std::max<std::int64_t>(0, testing - misfits));
+      testing <= 0 ? "no landmark was observed twice, so nothing tests the map"
+                   : fmt::format("{} observations fit the map", std::max<std::int64_t>(0, testing - misfits));
   verdict->why = named ? fitted : verdict->why + "; " + fitted;
   verdict->Add(OfSeenOnce(seen, true));
   for (const Verdict::Doubt& doubt :

@@ -86,6 +86,10 @@ TEST(SeenOnce, WhatIsSeenOnceAtADistanceTestsNothing) {
   EXPECT_EQ(NamedText(MapOf(two)),
             "fair: 81 observations fit the map; 2 of 11 landmarks were observed once: nothing confirms them");
   EXPECT_TRUE(NamedText(MapOf({49, 1})).starts_with("fair: 49 observations")) << "too few to tell";
+  EXPECT_EQ(
+      NamedText(MapOf({1})),
+      "not known: no landmark was observed twice, so nothing tests the map; 1 of 1 landmark was observed "
+      "once: nothing confirms it");
 }
 
 }  // namespace
