@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <fstream>
+#include <iterator>
 #include <opencv2/imgcodecs.hpp>
+
+#include "datasets/images/jpeg_scans.h"
 
 namespace cairn::datasets {
 namespace {
@@ -17,12 +21,21 @@ std::uint8_t Mean(const cv::Mat& bgr, int row, int column, int channel, int side
   return static_cast<std::uint8_t>((2 * sum + pixels) / (2 * pixels));
 }
 
+bool FileHasTooManyScans(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes(3, 0);
+  if (!file.read(bytes.data(), 3) || !bytes.starts_with("\xFF\xD8")) return false;
+  bytes.append(std::istreambuf_iterator<char>(file), {});
+  return HasTooManyScans(bytes);
+}
+
 }  // namespace
 
 ImageReading DecodeImage(const std::string& path, int most_side) {
   cv::Mat image;
   try {
-    image = cv::imread(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+    if (!FileHasTooManyScans(path))
+      image = cv::imread(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception&) {
     image.release();  // too large, or damaged in a way that the codec throws
   }

@@ -57,6 +57,19 @@ TEST_F(ImportImagesTest, PutsImagesBesideTheTablesInputs) {
             DecodeImage(options_.folder + "/deep/c.ppm", 1000).rgb);
 }
 
+// A decoder goes over all pixels for each scan.
+TEST_F(ImportImagesTest, AJpegOfScansWithoutEndIsNotDecoded) {
+  std::vector<unsigned char> jpeg;
+  ASSERT_TRUE(cv::imencode(".jpg", cv::Mat(16, 16, CV_8UC3, cv::Scalar(90)), jpeg,
+                           {cv::IMWRITE_JPEG_PROGRESSIVE, 1}));
+  const std::string bytes(jpeg.begin(), jpeg.end() - 2), last = bytes.substr(bytes.rfind("\xFF\xDA"));
+  for (const auto& [more, failure] : {std::pair(50, ""), {100, "it cannot be decoded"}}) {
+    std::string all = bytes;
+    for (int i = 0; i < more; ++i) all += last;
+    EXPECT_EQ(DecodeImage(folder_.Put("scans.jpg", all + "\xFF\xD9"), 1000).failure, failure) << more;
+  }
+}
+
 // A table may name one image as often as it likes, and a folder may have as many as it likes.
 TEST_F(ImportImagesTest, TheirPixelsAreBounded) {
   const std::string one = "a.png,0,0,0\na.png,1,0,0\na.png,2,0,0\n", pixels = header_ + one;

@@ -92,6 +92,14 @@ TEST(TagDetector, TakesImagesOneAfterTheOther) {
   EXPECT_EQ(said.substr(0, 13), "640 480 1 11 ");
   EXPECT_EQ(said.substr(said.find('\n')), "\n!it cannot be decoded\n4 3 0\n!it cannot be decoded\n");
   EXPECT_EQ(tags.FindInAll("12\nshort"), "");
+  // A decoder goes over all pixels for each scan.
+  std::vector<unsigned char> jpeg;
+  cv::imencode(".jpg", cv::Mat(16, 16, CV_8U, cv::Scalar(90)), jpeg, {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+  std::string scans(jpeg.begin(), jpeg.end() - 2);
+  const std::string last = scans.substr(scans.rfind("\xFF\xDA"));
+  EXPECT_EQ(tags.FindInAll(entry(scans + "\xFF\xD9")), "16 16 0\n");
+  for (int i = 0; i < 100; ++i) scans += last;
+  EXPECT_EQ(tags.FindInAll(entry(scans + "\xFF\xD9") + entry(grey)), "!it cannot be decoded\n4 3 0\n");
   // Of an image as long as that the library ends the program.
   const std::string row = "P5 32768 8 255\n" + std::string(8 * 32768, 'x');
   EXPECT_EQ(tags.FindInAll(entry(row) + entry(grey)), "!it cannot be decoded\n4 3 0\n");
