@@ -19,7 +19,20 @@ constexpr std::size_t kMostForwardReadings = 2'000'000;
 constexpr double kMostCells = 4e6;
 // A grid each of so many robots; of more nobody looks at all.
 constexpr std::size_t kMostGrids = 10;
+// A share of beams lost that is clearly more than forward_map takes for granted (its p_lost).
+constexpr double kMuchLost = 0.015;
 constexpr double kLaserCell_m = 0.05, kSonarCell_m = 0.1;  // the cone of a sonar is wider than any cell
+
+// Beams of lasers beside two that return from about as far: glass, black things and doors that stand open
+// have edges, and are wide; what a laser loses of itself, as on matt walls or in sunlight, lies anywhere.
+struct Neighboured {
+  std::size_t returned = 0, lost = 0;
+  double LostShare() const {
+    constexpr std::size_t kLeast = 200;
+    const std::size_t all = returned + lost;
+    return all < kLeast ? 0 : static_cast<double>(lost) / static_cast<double>(all);
+  }
+};
 
 // Of all robots together, or of one.
 struct Holdings {
@@ -29,6 +42,7 @@ struct Holdings {
   Point low = {}, high = {};              // where robots went, by poses, else by odometry
   double reach_m = 0;                     // the middle range of the sensor that sees furthest
   double unseen_m = 0;                    // the longest way that a robot with scans observed no landmark
+  Neighboured neighboured = {};
 
   bool HasLaser() const {
     return std::ranges::any_of(sensors, [](const std::string& name) { return name.starts_with("laser"); });
@@ -50,12 +64,32 @@ double MiddleRange(const kinds::Log::RangeSensor& sensor) {
   return *middle;
 }
 
+void AddNeighboured(const kinds::Log::RangeSensor& sensor, Neighboured* all) {
+  constexpr double kBeside_rad = 0.06, kFar = 0.8, kAlike = 0.1;
+  const std::size_t beams = sensor.beam_heading_rad.size();
+  const double far_m = kFar * sensor.max_range_m.Scalar();
+  const auto beside = [&](std::size_t a, std::size_t b) {
+    return std::abs(WrapAngle(sensor.beam_heading_rad[a] - sensor.beam_heading_rad[b])) < kBeside_rad;
+  };
+  for (std::size_t b = 1; b + 1 < beams; ++b) {
+    if (!beside(b - 1, b) || !beside(b, b + 1)) continue;
+    for (std::size_t at = b; at < sensor.range_m.size(); at += beams) {
+      const double before_m = sensor.range_m[at - 1], after_m = sensor.range_m[at + 1];
+      // false for NaN, which is no return
+      const bool alike =
+          std::abs(before_m - after_m) < kAlike * before_m && before_m < far_m && after_m < far_m;
+      if (alike) ++(std::isnan(sensor.range_m[at]) ? all->lost : all->returned);
+    }
+  }
+}
+
 void AddScans(const kinds::Log::Robot& robot, Holdings* all) {
   const std::size_t before = all->scans;
   for (const kinds::Log::RangeSensor& sensor : robot.sensors) {
     if (sensor.time_s.OrNone().empty() || sensor.range_m.OrNone().empty()) continue;
     all->scans += sensor.time_s.size();
     all->readings += sensor.range_m.size();
+    if (sensor.sensor.starts_with("laser")) AddNeighboured(sensor, &all->neighboured);
     all->reach_m = std::max(all->reach_m, MiddleRange(sensor));
     if (std::ranges::find(all->sensors, sensor.sensor) == all->sensors.end())
       all->sensors.push_back(sensor.sensor);
@@ -153,6 +187,23 @@ struct Grid {
   std::optional<std::string> of;  // a robot alone; none: all
 };
 
+// Taken for what they seem to say, that there is nothing as far as the laser reaches, they would free what
+// stands behind walls.
+void TellOfLostBeams(const Holdings& holdings, proto::Stage* grid, std::string* reason) {
+  const double lost = holdings.neighboured.LostShare();
+  if (lost < kMuchLost) return;
+  const bool forward = grid->pipeline() == "forward_map";
+  const double p_lost = std::ceil(100 * std::min(lost, 0.5)) / 100;
+  if (forward)
+    (*grid->mutable_options())["p_lost"].set_d(p_lost);
+  else
+    (*grid->mutable_options())["use_no_return"].set_b(false);
+  *reason += fmt::format("; {:.1f}% of the laser's beams between two that return do not, so {}", 100 * lost,
+                         forward ? fmt::format("p_lost is {:g}", p_lost)
+                                 : std::string("no beam without a return says that anything is free "
+                                               "(use_no_return=false)"));
+}
+
 void ChooseGrid(const Holdings& holdings, const Grid& of, ChosenJob* chosen) {
   const bool forward = holdings.readings <= kMostForwardReadings;
   proto::Stage& grid = AddStage(of.name, forward ? "forward_map" : "evidence_map", chosen);
@@ -169,6 +220,7 @@ void ChooseGrid(const Holdings& holdings, const Grid& of, ChosenJob* chosen) {
               : fmt::format("; forward_map, which explains readings together, would take long of more "
                             "than {}",
                             kMostForwardReadings)));
+  TellOfLostBeams(holdings, &grid, &chosen->reasons.back());
 }
 
 // Of robots that nothing ties together: laid over each other their scans would be no map.

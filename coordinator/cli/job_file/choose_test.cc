@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "schema/error.h"
 #include "schema/kinds/log.h"
 
@@ -133,6 +136,48 @@ TEST(ChooseJob, OfMoreRobotsThanAnybodyLooksAtThereIsNoGrid) {
 
 TEST(ChooseJob, ManyReadingsAreMappedCellByCell) {
   EXPECT_EQ(Stages(ChooseJob(LogOf({.scans = 1'000'001}))), "path local_map; grid evidence_map of path");
+}
+
+// Scans of five beams at 3 m, of which those without a return are NaN: of every so many scans the beams from
+// `first` to `last`.
+ChosenJob WithLost(int every, std::size_t first, std::size_t last, double beside_rad = 0.02, int scans = 1000,
+                   const std::string& sensor_name = "laser") {
+  constexpr std::size_t kBeams = 5;
+  auto log = Read<Log>(LogOf({.scans = scans, .sensor = sensor_name}));
+  std::vector<double> ranges(kBeams * static_cast<std::size_t>(scans), 3.0), headings(kBeams), zero(kBeams);
+  for (int at = 0; at < scans; at += every)
+    for (std::size_t b = first; b <= last; ++b)
+      ranges[kBeams * static_cast<std::size_t>(at) + b] = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t b = 0; b < kBeams; ++b) headings[b] = beside_rad * static_cast<double>(b);
+  Log::RangeSensor& sensor = log.robot[0].sensors[0];
+  sensor.range_m = Column<double>({scans, std::int64_t{kBeams}}, ranges);
+  sensor.beam_x_m = sensor.beam_y_m = zero;
+  sensor.beam_heading_rad = headings;
+  return ChooseJob(BlobOf(log));
+}
+
+// Of three beams with two beside them one is lost in every second scan; where it is, its two have none
+// beside.
+TEST(ChooseJob, BeamsThatAreLostBesideOthersAreAllowedFor) {
+  const auto p_lost = [](const ChosenJob& chosen) {
+    const auto& options = chosen.job.stages().rbegin()->options();
+    return options.contains("p_lost") ? options.at("p_lost").d() : 0;
+  };
+  const ChosenJob lost = WithLost(2, 2, 2);
+  EXPECT_EQ(p_lost(lost), 0.25);  // 500 of 500 and 3 of each of 500
+  EXPECT_TRUE(lost.reasons.back().ends_with(
+      "; 25.0% of the laser's beams between two that return do not, so p_lost is 0.25"))
+      << lost.reasons.back();
+  EXPECT_EQ(p_lost(WithLost(50, 2, 2)), 0) << "no more than is taken for granted";
+  EXPECT_EQ(p_lost(WithLost(2, 1, 3)), 0) << "glass, or a door";
+  EXPECT_EQ(p_lost(WithLost(2, 0, 0)), 0) << "nothing is beside it";
+  EXPECT_EQ(p_lost(WithLost(2, 2, 2, 0.1)), 0) << "not beside each other";
+  EXPECT_EQ(p_lost(WithLost(2, 2, 2, 0.02, 60)), 0) << "too few to tell";
+  EXPECT_EQ(p_lost(WithLost(2, 2, 2, 0.02, 1000, "sonar")), 0);
+  const ChosenJob many = WithLost(2, 2, 2, 0.02, 400'001);
+  EXPECT_EQ(many.job.stages(1).pipeline(), "evidence_map");
+  EXPECT_FALSE(many.job.stages(1).options().at("use_no_return").b());
+  EXPECT_FALSE(WithLost(50, 2, 2, 0.02, 400'001).job.stages(1).options().contains("use_no_return"));
 }
 
 TEST(ChooseJob, CellsFitTheSensorAndGrowWithTheArea) {
