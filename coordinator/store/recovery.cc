@@ -57,6 +57,14 @@ bool BlobsAreGood(BlobFiles& files, proto::Checkpoint& checkpoint, InputsOf inpu
   return good;
 }
 
+// That of a job; one that is another's is corrupt.
+Result<proto::Checkpoint> ReadCheckpointOf(const std::string& job, const fs::path& path) {
+  Result<proto::Checkpoint> checkpoint = ReadCheckpoint(path);
+  if (checkpoint.ok() && checkpoint.value().job_id() != job)
+    return Status(Code::kCorrupt, path.string() + ": is of job '" + checkpoint.value().job_id() + "'");
+  return checkpoint;
+}
+
 // The newest that is good, from `numbers` (ascending), which loses it and all that were newer. Throws
 // UnreadableStore.
 std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, BlobFiles& files,
@@ -65,10 +73,9 @@ std::optional<proto::Checkpoint> TakeNewest(const StoreFolder& folder, BlobFiles
   while (!numbers.empty()) {
     const fs::path path = folder.CheckpointFile(job, numbers.back());
     numbers.pop_back();
-    Result<proto::Checkpoint> checkpoint = ReadCheckpoint(path);
+    Result<proto::Checkpoint> checkpoint = ReadCheckpointOf(job, path);
     if (SaysNothing(checkpoint.status())) throw UnreadableStore(checkpoint.status());
-    if (checkpoint.ok() && checkpoint.value().job_id() == job &&
-        BlobsAreGood(files, checkpoint.value(), inputs, log))
+    if (checkpoint.ok() && BlobsAreGood(files, checkpoint.value(), inputs, log))
       return std::move(checkpoint).value();
     const std::string why =
         checkpoint.ok() ? "its blobs are missing or damaged" : checkpoint.status().message();
@@ -93,7 +100,7 @@ void CheckJobInStore(const StoreFolder& folder, const BlobFiles& files, const st
                      const fs::path& results, StoreFindings& found) {
   const std::vector<std::uint64_t> numbers = folder.CheckpointNumbers(job);
   if (numbers.empty()) return found.damaged.push_back("job " + job + " has no checkpoint");
-  const Result<proto::Checkpoint> newest = ReadCheckpoint(folder.CheckpointFile(job, numbers.back()));
+  const Result<proto::Checkpoint> newest = ReadCheckpointOf(job, folder.CheckpointFile(job, numbers.back()));
   if (!newest.ok()) return found.damaged.push_back("job " + job + ": " + newest.status().message());
   ++found.jobs;
   const proto::Checkpoint& checkpoint = newest.value();

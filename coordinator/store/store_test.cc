@@ -363,6 +363,22 @@ TEST(Recovery, AJobWhoseInputIsDamagedHasFailedAndSaysWhich) {
   }
 }
 
+// As by a copy to the wrong folder.
+TEST(Recovery, ACheckpointOfAnotherJobIsNamedAndNotUsed) {
+  SavedJob saved;
+  fs::rename(saved.folder.value().Checkpoints() / "a", saved.folder.value().Checkpoints() / "b");
+  const std::string what = saved.folder.value().CheckpointFile("b", 3).string() + ": is of job 'a'";
+  const StoreFindings found = CheckStore(saved.folder.value(), saved.temp.path() / "results", false);
+  EXPECT_EQ(found.damaged, std::vector<std::string>{"job b: " + what});
+  BlobFiles files(saved.folder.value());
+  std::string said;
+  EXPECT_TRUE(Recover(saved.folder.value(), files, InputsOf::kStore, {},
+                      [&said](Severity, const std::string&, const std::string& text) { said += text + "\n"; })
+                  .empty());
+  EXPECT_NE(said.find(what), std::string::npos) << said;
+  EXPECT_EQ(said.find("blobs"), std::string::npos) << said;
+}
+
 // As by a mount: each would remove the blobs of which only the other knows.
 TEST(StoreFolder, OneWhoseBlobsAreThoseOfAnotherIsRefused) {
   const TempFolder temp;
