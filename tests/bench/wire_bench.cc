@@ -130,12 +130,18 @@ void ServeEcho(const std::string& endpoint) {
   wire::DealerSocket dealer = wire::DealerSocket::Connect(context, endpoint).value();
   wire::Poller poller;
   poller.Add(dealer);
-  wire::Message hello;
-  hello.envelope.mutable_hello();
-  while (!dealer.Send(hello).ok()) poller.Wait(std::chrono::milliseconds(1));
-  while (true) {
+  const auto take_events = [&] {
     while (dealer.TryEvent()) {
     }
+  };
+  const auto send = [&](const wire::Message& message) {
+    for (take_events(); !dealer.Send(message).ok(); take_events()) poller.Wait(std::chrono::milliseconds(1));
+  };
+  wire::Message hello;
+  hello.envelope.mutable_hello();
+  send(hello);
+  while (true) {
+    take_events();
     while (std::optional<wire::Received> received = dealer.TryReceive()) {
       if (received->message.envelope.has_leave()) return;
       wire::Message answer = std::move(received->message);
@@ -143,7 +149,7 @@ void ServeEcho(const std::string& endpoint) {
         answer = {};
         answer.envelope.mutable_missing();
       }
-      while (!dealer.Send(answer).ok()) poller.Wait(std::chrono::milliseconds(1));
+      send(answer);
     }
     poller.Wait(std::chrono::seconds(10));
   }
@@ -207,7 +213,9 @@ Figures MeasureWorker(const std::string& endpoint) {
   const std::unique_ptr<worker::ZmqTransport> transport = worker::ZmqTransport::Connect(endpoint).value();
   std::thread thread([&] {
     const auto factory = [](const proto::Stage&, std::uint64_t) { return std::make_unique<Trivial>(); };
-    worker::RunWorker(*transport, factory, {}, stop);
+    worker::WorkerOptions options;
+    options.session.hello.set_slots(kInFlight);  // of more it takes none
+    worker::RunWorker(*transport, factory, options, stop);
   });
   const std::string peer = server.Take().peer;
   wire::Message welcome;
