@@ -42,21 +42,26 @@ cairn backup copy >/dev/null 2>stderr &
 copying=$!
 kill -CONT "$worker"
 wait "$copying" || die "a copy of a job that runs fails: $(cat stderr)"
-while exits 0 cairn status "$late" --json && cp stdout status.json && grep -q running stdout; do
+for _ in 1 2 3 4; do
+  kill -STOP "$worker" # nor over before it is copied for the last time
+  exits 0 cairn status "$late" --json
+  cp stdout status.json
+  grep -q running stdout || break
   exits 0 cairn backup copy
   says '^2 jobs in copy'
   [ "$(round)" -lt 12 ] || break
+  kill -CONT "$worker"
 done
 kill -9 "$coordinator"
 wait "$coordinator" 2>/dev/null || true
+kill -CONT "$worker"
 rm -r home/store
 exits 0 cairn restore copy
 says "^2 jobs in .*home/store"
 serve
 exits 0 cairn status "$late" --json
 cp stdout status.json
-# A quick machine is done with it before the last copy.
-grep -q '"state": "done"' status.json || [ "$(round)" -gt 0 ] || die "it begins anew: the copy had none of its rounds"
+[ "$(round)" -gt 0 ] || die "it begins anew: the copy had none of its rounds"
 exits 0 cairn watch "$late"
 exits 0 cairn results "$late" --out there
 same_bits undisturbed there
