@@ -2,9 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
 #include <span>
 
 #include "datasets/evaluate/matching/similarity.h"
@@ -64,9 +66,10 @@ class ErrorsInSigmas {
     sum_ += *squares;
   }
 
-  // `draws`: so many degrees of freedom are independent; 0: none are.
+  // `draws`: so many degrees of freedom are independent; 0: none are. `mean`: of the NEES, where covariances
+  // are right.
   std::optional<CalibrationScore> Score(const CalibrationFrame& frame, std::int64_t draws,
-                                        std::string interval_takes) const {
+                                        std::string interval_takes, double mean = 1) const {
     if (score_.count == 0) return std::nullopt;
     CalibrationScore score = score_;
     score.frame = frame;
@@ -75,7 +78,7 @@ class ErrorsInSigmas {
     score.nees_per_dof = sum_ / static_cast<double>(kSize) / static_cast<double>(score.count - score.certain);
     if (draws < 1) return score;
     const auto quantile = [&](double p) {
-      return ChiSquareQuantile(p, static_cast<int>(draws)) / static_cast<double>(draws);
+      return mean * ChiSquareQuantile(p, static_cast<int>(draws)) / static_cast<double>(draws);
     };
     score.nees_99 = Interval{quantile(0.005), quantile(0.995)};
     return score;
@@ -113,6 +116,9 @@ class Calibrator {
       const Point ours = Landmark(k), theirs = back(truth);
       errors.Add({ours.x_m - theirs.x_m, ours.y_m - theirs.y_m}, covariance.subspan(4 * k, 4));
     }
+    if (const auto together = ErrTogether())
+      return errors.Score(*frame, std::max<std::int64_t>(1, std::llround(std::floor(together->draws))),
+                          "landmarks err together as the result says", together->mean);
     const std::int64_t all = 2 * static_cast<std::int64_t>(matched_.size());
     if (frame->on == "first pose")
       return errors.Score(*frame, 2,
@@ -159,6 +165,41 @@ class Calibrator {
   struct Frame : CalibrationFrame {
     Similarity to_truth;
   };
+
+  // Squares of the errors in units of each landmark's own covariance, added up, go about as a multiple of a
+  // chi-square of so many degrees of freedom (F. E. Satterthwaite, An approximate distribution of estimates
+  // of variance components, 1946).
+  struct Together {
+    double mean = 1, draws = 0;
+  };
+  // By the result's joint covariance, of the matched landmarks laid over the true ones. None where it has
+  // none, or where one of them is certain.
+  std::optional<Together> ErrTogether() const {
+    const auto all = static_cast<Eigen::Index>(2 * map_.map.landmark_x_m.size());
+    const std::span<const double> joint = map_.map.landmark_joint_covariance_m2.OrNone();
+    if (joint.empty() || matched_.size() < 3) return std::nullopt;
+    const Eigen::Map<const Eigen::MatrixXd> stated(joint.data(), all, all);
+    const auto size = 2 * static_cast<Eigen::Index>(matched_.size());
+    std::vector<Eigen::Index> axes;
+    Eigen::MatrixXd motion(size, 3);  // what a small rigid motion does to each
+    Eigen::MatrixXd to_sigmas = Eigen::MatrixXd::Zero(size, size);
+    for (const std::size_t k : std::views::keys(matched_)) {
+      const auto at = static_cast<Eigen::Index>(axes.size()), axis = static_cast<Eigen::Index>(2 * k);
+      axes.insert(axes.end(), {axis, axis + 1});
+      const Point place = Landmark(k);
+      motion.middleRows<2>(at) << 1, 0, -place.y_m, 0, 1, place.x_m;
+      const Eigen::LLT<Eigen::Matrix2d> own(stated.block<2, 2>(axis, axis));
+      if (own.info() != Eigen::Success) return std::nullopt;
+      to_sigmas.block<2, 2>(at, at) = own.matrixL().solve(Eigen::Matrix2d::Identity());
+    }
+    const Eigen::LLT<Eigen::Matrix3d> squares(motion.transpose() * motion);
+    if (squares.info() != Eigen::Success) return std::nullopt;
+    const Eigen::MatrixXd laid =
+        Eigen::MatrixXd::Identity(size, size) - motion * squares.solve(motion.transpose());
+    const Eigen::MatrixXd by = to_sigmas * laid, sigmas = by * stated(axes, axes) * by.transpose();
+    const double trace = sigmas.trace();
+    return Together{trace / static_cast<double>(size), trace * trace / sigmas.squaredNorm()};
+  }
 
   Point Landmark(std::size_t k) const { return {map_.map.landmark_x_m[k], map_.map.landmark_y_m[k]}; }
 

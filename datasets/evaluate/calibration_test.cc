@@ -27,7 +27,7 @@ TEST(ChiSquareQuantile, IsTheTables) {
 // A map with landmarks and poses that err as told.
 struct MadeUp {
   std::vector<Point> landmarks;
-  std::vector<double> landmark_covariance_m2;
+  std::vector<double> landmark_covariance_m2, landmark_joint_covariance_m2;
   std::vector<std::pair<std::size_t, Point>> matched;
   struct Path {
     Track track;
@@ -41,6 +41,8 @@ struct MadeUp {
     map.map.landmark_x_m = ColumnOf(landmarks, &Point::x_m);
     map.map.landmark_y_m = ColumnOf(landmarks, &Point::y_m);
     if (!landmark_covariance_m2.empty()) map.map.landmark_covariance_m2 = landmark_covariance_m2;
+    if (!landmark_joint_covariance_m2.empty())
+      map.map.landmark_joint_covariance_m2 = landmark_joint_covariance_m2;
     map.refinement_done = std::uint8_t{1};
     for (const Path& path : paths) {
       auto& robot = map.robot.emplace_back();
@@ -158,6 +160,48 @@ TEST(Calibration, LandmarksThatErrAsStatedAreCoveredAsStated) {
     EXPECT_NEAR(doubled.within_95 / doubled.count, 0.53, 0.03) << landmarks;  // 1 - 0.05^(1/4)
     EXPECT_LT(doubled.contained / doubled.worlds, landmarks == 20 ? 0.01 : 0.9);
   }
+}
+
+// A map that is too large or too small by what is not known, and that is all but all that is wrong with it:
+// one draw, however many its landmarks. Every other world errs by twice as much as stated.
+TEST(Calibration, LandmarksThatErrTogetherAreAsManyDrawsAsTheJointCovarianceSays) {
+  constexpr int kLandmarks = 15;
+  constexpr double kScaleSigma = 0.02, kOwnSigma = 0.02;
+  Tally right, doubled;
+  double alone = 0;
+  Rng rng(19);
+  for (int world = 0; world < 1600; ++world) {
+    const double times = world % 2 == 0 ? 1 : 2;
+    MadeUp made;
+    Eigen::VectorXd lever(2 * kLandmarks);
+    const double scale = times * kScaleSigma * rng.Normal();
+    const Similarity elsewhere{1, 0.7, 30, -20};
+    for (std::size_t l = 0; l < kLandmarks; ++l) {
+      const Point at{20 * rng.Normal(), 20 * rng.Normal()};
+      made.matched.emplace_back(l, elsewhere(at));
+      made.landmarks.push_back({at.x_m * (1 + scale) + times * kOwnSigma * rng.Normal(),
+                                at.y_m * (1 + scale) + times * kOwnSigma * rng.Normal()});
+      lever.segment<2>(2 * static_cast<Eigen::Index>(l)) << at.x_m, at.y_m;
+    }
+    Eigen::Vector2d middle = Eigen::Vector2d::Zero();  // in their own frame it does not move
+    for (Eigen::Index l = 0; l < kLandmarks; ++l) middle += lever.segment<2>(2 * l) / kLandmarks;
+    for (Eigen::Index l = 0; l < kLandmarks; ++l) lever.segment<2>(2 * l) -= middle;
+    const Eigen::MatrixXd joint =
+        kScaleSigma * kScaleSigma * lever * lever.transpose() +
+        kOwnSigma * kOwnSigma * Eigen::MatrixXd::Identity(2 * kLandmarks, 2 * kLandmarks);
+    for (Eigen::Index l = 0; l < kLandmarks; ++l)
+      for (const double value : RowMajor(joint.block<2, 2>(2 * l, 2 * l)))
+        made.landmark_covariance_m2.push_back(value);
+    alone += !Contains(made.Calibrated().landmarks->nees_99, *made.Calibrated().landmarks->nees_per_dof) &&
+             times == 1;
+    made.landmark_joint_covariance_m2 = RowMajor(joint);
+    (times == 1 ? right : doubled).Add(made.Calibrated().landmarks.value());
+  }
+  EXPECT_NEAR(right.nees / right.worlds, 1, 0.1);
+  EXPECT_GT(right.contained / right.worlds, 0.98);
+  EXPECT_LT(right.contained / right.worlds, 0.999);
+  EXPECT_GT(alone / right.worlds, 0.1) << "as if each landmark erred by itself";
+  EXPECT_LT(doubled.contained / doubled.worlds, right.contained / right.worlds - 0.05);
 }
 
 TEST(Calibration, PosesThatErrAsStatedAreCoveredAsStated) {

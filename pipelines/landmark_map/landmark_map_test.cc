@@ -309,7 +309,12 @@ TEST(LandmarkMap, ContactsLandmarksAreAsUncertainAsTheScaleOfDistances) {
     const BlobPtr result = Map(log, {.cell_m = 1.0, .starts = 1});
     const auto covariance = result->Get<double>("map/landmark_covariance_m2");
     ASSERT_EQ(covariance.size(), 16U);
+    const Array& joint = result->at("map/landmark_joint_covariance_m2");
+    ASSERT_EQ(joint.shape(), (Shape{4, 2, 4, 2}));
+    const auto together = result->Get<double>("map/landmark_joint_covariance_m2");
     for (std::size_t l = 0; l < 4; ++l) {
+      for (std::size_t i = 0; i < 4; ++i)
+        EXPECT_NEAR(together[(2 * l + i / 2) * 8 + 2 * l + i % 2], covariance[4 * l + i], 1e-9);
       const double variance_m2 = covariance[4 * l] + covariance[4 * l + 3];
       EXPECT_NEAR(std::sqrt(variance_m2), ratio * std::hypot(10.0, 10.0), 0.25 * ratio * 14.0) << ratio;
     }

@@ -112,6 +112,7 @@ void RefineContacts(const kinds::Log& log, const std::vector<AssociatedPath>& pa
     if (!(std::hypot(now.x_m - before.x_m, now.y_m - before.y_m) <= settings.map.core_m)) return;
   }
   map->landmarks = std::move(joint.landmarks);
+  map->covariance = std::move(joint.covariance);
   map->contact_paths = std::move(joint.paths);
 }
 
@@ -171,7 +172,10 @@ RefinedMap RefineMapOf(const Blob& blob, const Settings& settings, const Inputs&
   if (refines && map.refined.refused.empty() && paths.size() == 1 && settings.map.classes.count == 1 &&
       std::ranges::none_of(map.found, is_named))
     map.shift = WeighShifts(log, paths, settings, &map.found, &map.rows, &map.refined);
-  if (refines) map.landmarks = map.refined.landmarks;
+  if (refines) {
+    map.landmarks = map.refined.landmarks;
+    map.covariance = map.refined.covariance;
+  }
   if (!jointly && not_refined.empty()) RefineContacts(log, paths, settings, &map);
   map.not_refined = map.refined.refused.empty() ? std::move(not_refined) : "refused: " + map.refined.refused;
   return map;

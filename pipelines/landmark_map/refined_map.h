@@ -19,6 +19,8 @@ struct RefinedMap {
   std::vector<Landmark> landmarks;
   std::vector<Landmark> found;        // the same, where EM left them
   std::vector<RowAssociations> rows;  // of each robot
+  // Of all landmarks together [2K,2K], x and y of each; empty: not known, or they are too many.
+  Eigen::MatrixXd covariance;
   JointRefinement refined;
   // Of each robot, where all observations are contact detections and the landmarks were refined.
   std::vector<RefinedPath> contact_paths;

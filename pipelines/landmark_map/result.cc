@@ -252,6 +252,14 @@ void PutNamesThatAreMissing(const kinds::Log& log, const std::vector<Landmark>& 
     result->PutVector("missing_landmarks", std::vector<std::int32_t>(missing.begin(), missing.end()));
 }
 
+// As [K,2,K,2].
+void PutJointCovariance(const Eigen::MatrixXd& covariance, Blob* result) {
+  if (covariance.size() == 0) return;
+  const std::int64_t landmarks = covariance.rows() / 2;
+  const std::span values(covariance.data(), static_cast<std::size_t>(covariance.size()));  // symmetric
+  result->Put("map/landmark_joint_covariance_m2", Array::Of<double>({landmarks, 2, landmarks, 2}, values));
+}
+
 void PutLandmarks(const std::vector<Landmark>& landmarks, const MapRules& rules, Blob* result) {
   const Blob blob = BlobOf(landmarks);
   for (const char* name : {"x_m", "y_m", "covariance_m2", "count"}) {
@@ -270,10 +278,11 @@ void PutLandmarks(const std::vector<Landmark>& landmarks, const MapRules& rules,
 // they were passed, unless the log states that none is false: that is what tells where no rate is stated
 // (datasets/common/landmarks_seen_once.h).
 void JudgePasses(const Settings& settings, const Column<double>& false_ratio,
-                 std::vector<Landmark>* landmarks, Blob* result) {
+                 std::vector<Landmark>* landmarks, Eigen::MatrixXd* covariance, Blob* result) {
   const double reach_m = std::max(5.0 * settings.map.observation_m, 1.5 * settings.map.grid.cell_m);
   if (settings.detection.false_ratio > 0.0)
-    KeepLandmarks(AreLandmarks(*result, *landmarks, settings.detection, reach_m), landmarks, result);
+    KeepLandmarks(AreLandmarks(*result, *landmarks, settings.detection, reach_m), landmarks, covariance,
+                  result);
   if (false_ratio && false_ratio.Scalar() == 0.0) return;
   std::vector<std::int64_t> passes;
   for (const Passes& of : CountPasses(*result, *landmarks, reach_m)) passes.push_back(of.passed);
@@ -374,8 +383,9 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   }
   PutTies(blob, refined, map.rows, landmarks, settings, &result);
   if (settings.detection.tells_passes && !settings.incremental)
-    JudgePasses(settings, log.noise.false_ratio, &landmarks, &result);
+    JudgePasses(settings, log.noise.false_ratio, &landmarks, &map.covariance, &result);
   PutLandmarks(landmarks, settings.map, &result);
+  PutJointCovariance(map.covariance, &result);
   PutNamesThatAreMissing(log, landmarks, settings.steps.until_s, &result);
   const bool shifted = map.shift && map.shift->taken;  // EM counted elsewhere
   const LayeredGrid final_counts = refined.paths.empty() ? counts

@@ -74,7 +74,8 @@ struct LandmarkMap {
     }
   };
   struct Map {
-    Column<double> landmark_x_m, landmark_y_m, landmark_covariance_m2, landmark_count, probability;
+    Column<double> landmark_x_m, landmark_y_m, landmark_covariance_m2, landmark_joint_covariance_m2,
+        landmark_count, probability;
     Column<std::int32_t> landmark_identity, landmark_type;
     Column<std::int64_t> landmark_passes;
     GridPlace grid;
@@ -82,6 +83,7 @@ struct LandmarkMap {
       field(Needed("landmark_x_m", "K", Position()), &Map::landmark_x_m);
       field(Needed("landmark_y_m", "K", Position()), &Map::landmark_y_m);
       field({"landmark_covariance_m2", "K,2,2", Finite()}, &Map::landmark_covariance_m2);
+      field({"landmark_joint_covariance_m2", "K,2,K,2", Finite()}, &Map::landmark_joint_covariance_m2);
       field({"landmark_identity", "K", IndexInto("landmarks").OrNone()}, &Map::landmark_identity);
       field({"landmark_type", "K", IndexInto("types").OrNone()}, &Map::landmark_type);
       field({"landmark_count", "K", From(0)}, &Map::landmark_count);

@@ -95,10 +95,11 @@ class Mover {
   }
 
   void TurnCovariances(const std::string& name, const Array& array) {
-    const auto n = static_cast<Eigen::Index>(array.shape().back());
+    const bool joint = array.shape().size() == 4;  // of all points together
+    const auto n = static_cast<Eigen::Index>(array.shape().back() * (joint ? array.shape()[0] : 1));
     const auto values = blob_.Get<double>(name);
     Eigen::MatrixXd turn = Eigen::MatrixXd::Identity(n, n);
-    turn.topLeftCorner<2, 2>() = turn_;
+    for (Eigen::Index k = 0; k < (joint ? n : 2); k += 2) turn.block<2, 2>(k, k) = turn_;
     std::vector<double> turned;
     for (std::size_t at = 0; at + static_cast<std::size_t>(n * n) <= values.size();
          at += static_cast<std::size_t>(n * n)) {

@@ -4,8 +4,8 @@
 Simulated loops (`cairn simulate loop`) are mapped and scored by `cairn evaluate`. The peer (least_squares.py) is given which
 observation is of which landmark, and all standard deviations, measured on the truth; it starts from the truth. What odometry
 errs by all along (drift, and scale where ranges tell it) it estimates. Where Cairn's topology is right both maps are laid over
-the true landmarks by the rigid motion that fits best, and both paths over the true one. The interval of NEES takes errors for
-independent ones, which those of a map's landmarks are not: `outside_by_chance` says how often it is left all the same.
+the true landmarks by the rigid motion that fits best, and both paths over the true one. The interval of NEES is that of
+landmarks that err together as the result's joint covariance says.
 
   tests/studies/loop_accuracy.py 101 120 base hard             kinds of loops: see KINDS
   CAIRN_DATA=… tests/studies/loop_accuracy.py --recorded       covariances alone, of four recorded logs
@@ -22,7 +22,6 @@ import tempfile
 import h5py
 import numpy as np
 from scipy.optimize import minimize
-from scipy.stats import chi2
 
 from least_squares import Problem, Track, Widths, laid_over, wrap
 
@@ -99,25 +98,6 @@ class Log:
             widths.bearing_rad = np.std(wrap(np.arctan2(way[:, 1], way[:, 0]) - poses[:, 2] - self.seen[:, 4]))
         return widths
 
-    def outside_by_chance(self, problem, solution, draws=2000):
-        """How often NEES of the landmarks leaves its interval where errors are drawn from the peer's own covariance of all of them."""
-        _, jacobian = problem.linearised(problem.pack(*solution))
-        normal = (jacobian.T @ jacobian).toarray() + 1e-9 * np.eye(problem.size)
-        seen = np.unique(self.seen[:, 2].astype(int))
-        at = problem.first_landmark + np.column_stack([2 * seen, 2 * seen + 1]).ravel()
-        x, y = solution[1][seen].T
-        zero, one = np.zeros_like(x), np.ones_like(x)
-        motion = np.stack([[one, zero, -y], [zero, one, x]]).transpose(2, 0, 1).reshape(-1, 3)  # of all landmarks together: no error
-        held = np.eye(len(at)) - motion @ np.linalg.pinv(motion)
-        covariance = held @ np.linalg.inv(normal)[np.ix_(at, at)] @ held
-        values, vectors = np.linalg.eigh(covariance)
-        errors = np.random.default_rng(0).normal(size=(draws, len(at))) * np.sqrt(np.maximum(values, 0)) @ vectors.T
-        own = np.array([covariance[k : k + 2, k : k + 2] for k in range(0, len(at), 2)])
-        errors = errors.reshape(draws, -1, 2)
-        nees = np.einsum("nli,lij,nlj->n", errors, np.linalg.inv(own), errors) / len(at)
-        low, high = chi2.ppf([0.005, 0.995], len(at)) / len(at)
-        return ((nees < low) | (nees > high)).mean()
-
     def peer(self):
         """Its landmarks [M,2] and poses of each robot [N,3]."""
         problem = Problem(self.tracks, self.seen, self.widths)
@@ -125,7 +105,6 @@ class Log:
         _, *solution = problem.solve(unwrapped, [(0.0, 1.0)] * len(self.tracks))
         if self.widths.scale == 0.0:  # not estimated of contact detections, but uncertain all the same
             problem.widths.scale = 0.02
-        self.by_chance = self.outside_by_chance(problem, solution)
         return solution[1], solution[0]
 
     def errors(self, landmarks, paths):
@@ -149,7 +128,7 @@ def compared(log, result):
     known = {int(l): places[votes[l].argmax()] for l in np.flatnonzero(votes.any(1))}
     landmarks, poses = log.peer()
     theirs = log.errors({l: landmarks[l] for l in known}, [p[:, :2] for p in poses])
-    return log.errors(known, ours), theirs, log.by_chance
+    return log.errors(known, ours), theirs
 
 
 def run(cairn, *words):
@@ -222,8 +201,7 @@ class Kind:
             together = np.sqrt((ours**2).mean() / (theirs**2).mean())
             cells.append(f"{np.median(ours):.2f}, {np.median(theirs):.2f} m: {np.median(ours / theirs):.2f}; {together:.2f}; "
                          f"{(ours <= 1.05 * theirs).sum()} of {len(ours)}")
-        by_chance = f"; outside by chance {100 * np.mean([pair[2] for pair in self.pairs]):.0f}%" if self.pairs else ""
-        return f"| {' | '.join([*cells, self.coverage['landmarks'].text() + by_chance, self.coverage['poses'].text()])} |"
+        return f"| {' | '.join([*cells, self.coverage['landmarks'].text(), self.coverage['poses'].text()])} |"
 
 
 def main():

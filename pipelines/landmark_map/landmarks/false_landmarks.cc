@@ -71,15 +71,19 @@ std::vector<bool> AreLandmarks(const Blob& result, const std::vector<Landmark>& 
   return keep;
 }
 
-void KeepLandmarks(const std::vector<bool>& keep, std::vector<Landmark>* landmarks, Blob* result) {
+void KeepLandmarks(const std::vector<bool>& keep, std::vector<Landmark>* landmarks,
+                   Eigen::MatrixXd* covariance, Blob* result) {
   std::vector<std::int32_t> now(keep.size(), -1);
   std::vector<Landmark> kept;
+  std::vector<Eigen::Index> axes;
   for (std::size_t k = 0; k < keep.size(); ++k) {
     if (!keep[k]) continue;
+    for (std::size_t axis = 2 * k; axis < 2 * k + 2; ++axis) axes.push_back(static_cast<Eigen::Index>(axis));
     now[k] = static_cast<std::int32_t>(kept.size());
     kept.push_back((*landmarks)[k]);
   }
   *landmarks = std::move(kept);
+  if (covariance->size() > 0) *covariance = (*covariance)(axes, axes).eval();
   for (std::size_t r = 0; r < RobotsOf(*result); ++r) {
     const std::string name = Robot(r, "observations/map_landmark");
     const auto old = result->Get<std::int32_t>(name);

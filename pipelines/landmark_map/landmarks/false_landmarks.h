@@ -2,6 +2,7 @@
 // ways past it.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
@@ -41,7 +42,9 @@ std::vector<Passes> CountPasses(const Blob& result, const std::vector<Landmark>&
 std::vector<bool> AreLandmarks(const Blob& result, const std::vector<Landmark>& landmarks,
                                const Detection& detection, double reach_m);
 
-// Leaves only those that `keep` says, in `landmarks` and in the result's associations.
-void KeepLandmarks(const std::vector<bool>& keep, std::vector<Landmark>* landmarks, Blob* result);
+// Leaves only those that `keep` says, in `landmarks`, in their joint `covariance` [2K,2K], which may be
+// empty, and in the result's associations.
+void KeepLandmarks(const std::vector<bool>& keep, std::vector<Landmark>* landmarks,
+                   Eigen::MatrixXd* covariance, Blob* result);
 
 }  // namespace cairn::landmark_map

@@ -66,7 +66,11 @@ TEST(AreLandmarks, ThoseThatArePassedWithoutAContactAreNone) {
 TEST(KeepLandmarks, RenumbersTheAssociations) {
   std::vector<Landmark> landmarks{At(5), At(12), At(20), At(40)};
   Blob result = Corridor();
-  KeepLandmarks({true, false, true, false}, &landmarks, &result);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(8, 8);
+  covariance(1, 4) = 7;  // y of the first with x of the third
+  KeepLandmarks({true, false, true, false}, &landmarks, &covariance, &result);
+  ASSERT_EQ(covariance.rows(), 4);
+  EXPECT_EQ(covariance(1, 2), 7);
   ASSERT_EQ(landmarks.size(), 2U);
   EXPECT_EQ(landmarks[1].x_m, 20);
   const auto rows = result.Get<std::int32_t>("robot/0/observations/map_landmark");

@@ -5,6 +5,21 @@
 #include "pipelines/landmark_map/refinement/joint_equations.h"
 
 namespace cairn::landmark_map {
+namespace {
+
+// As of one landmark, below. `moved`: what a small rigid motion does to each [2K,3].
+Eigen::MatrixXd JointOf(const PathMatrix::Inverse& inverse, const UnknownLayout& layout,
+                        const Eigen::MatrixXd& with_motion, const Eigen::Matrix3d& of_motion,
+                        const Eigen::MatrixXd& moved) {
+  if (moved.rows() == 0) return {};
+  const auto size = static_cast<int>(moved.rows());
+  const Eigen::MatrixXd with = with_motion.middleRows(layout.Landmark(0), size) * moved.transpose();
+  Eigen::MatrixXd joint =
+      inverse.OfShared(0, size) - with - with.transpose() + moved * of_motion * moved.transpose();
+  return 0.5 * (joint + joint.transpose());
+}
+
+}  // namespace
 
 // With d the rigid motion that lays the landmarks, moved by small amounts, over where they were, d = A dl: a
 // pose in the landmarks' frame is p - G d, G what a rigid motion does to it. Its covariance takes the columns
@@ -69,9 +84,14 @@ LeastSquaresCovariances CovariancesOf(const LeastSquaresProblem& problem, const 
     for (std::size_t k = 0; k < point.nodes[r].size(); ++k)
       of_robot.push_back(transformed.template operator()<3>(layout.Node(r, k), moved_node(r, k)));
   }
-  for (std::size_t l = 0; l < point.landmarks.size(); ++l)
+  Eigen::MatrixXd all_moved(2 * point.landmarks.size(), 3);
+  for (std::size_t l = 0; l < point.landmarks.size(); ++l) {
     covariances.landmarks.push_back(
         transformed.template operator()<2>(layout.Landmark(l), moved_landmark(l)));
+    all_moved.middleRows<2>(2 * static_cast<Eigen::Index>(l)) = moved_landmark(l);
+  }
+  if (point.landmarks.size() <= kMostJoint)
+    covariances.joint = JointOf(inverse, layout, with_motion, of_motion, all_moved);
 
   for (const Eigen::VectorXd& bias : equations.CommonErrors(point)) {
     const Eigen::VectorXd shift = equations.matrix().Solve(bias);
@@ -86,6 +106,10 @@ LeastSquaresCovariances CovariancesOf(const LeastSquaresProblem& problem, const 
       const Eigen::Vector2d off = shift.segment<2>(layout.Landmark(l)) - moved_landmark(l) * of_landmarks;
       covariances.landmarks[l] += off * off.transpose();
     }
+    if (covariances.joint.size() == 0) continue;
+    const Eigen::VectorXd off =
+        shift.segment(layout.Landmark(0), all_moved.rows()) - all_moved * of_landmarks;
+    covariances.joint += off * off.transpose();
   }
   return covariances;
 }

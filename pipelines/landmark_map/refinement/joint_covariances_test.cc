@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
@@ -15,6 +16,7 @@ namespace {
 // found landmarks: the true ones are laid over them.
 struct Squares {
   double landmarks = 0.0, pose = 0.0;  // a landmark's in the mean
+  double together = 0.0;               // of all landmarks, by their joint covariance
 };
 Squares SquaresOf(const EightWorld& world, const LeastSquaresPoint& found,
                   const LeastSquaresCovariances& covariances) {
@@ -35,10 +37,15 @@ Squares SquaresOf(const EightWorld& world, const LeastSquaresPoint& found,
     return mean_found + Eigen::Vector2d(c * a.x() - s * a.y(), s * a.x() + c * a.y());
   };
   Squares squares;
+  Eigen::VectorXd all(12);
   for (std::size_t l = 0; l < 6; ++l) {
     const Eigen::Vector2d off = laid(world.truth.landmarks[l]) - found.landmarks[l];
+    all.segment<2>(2 * static_cast<Eigen::Index>(l)) = off;
     squares.landmarks += off.dot(covariances.landmarks[l].inverse() * off) / 6.0;
   }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(covariances.joint);
+  for (int k = 3; k < 12; ++k)  // in the first three they do not move
+    squares.together += std::pow(axes.eigenvectors().col(k).dot(all), 2) / axes.eigenvalues()[k];
   const std::size_t node = 60;
   Eigen::Vector3d off;
   off << laid(world.truth.nodes[0][node].head<2>()) - found.nodes[0][node].head<2>(),
@@ -47,7 +54,8 @@ Squares SquaresOf(const EightWorld& world, const LeastSquaresPoint& found,
   return squares;
 }
 
-// Over many worlds as large as their covariances say: two a landmark, three a pose.
+// Over many worlds as large as their covariances say: two a landmark, three a pose, nine of six landmarks
+// together.
 TEST(CovariancesOf, AreThoseOfTheErrorsInTheLandmarksFrame) {
   constexpr int kWorlds = 60;
   Squares mean;
@@ -59,7 +67,18 @@ TEST(CovariancesOf, AreThoseOfTheErrorsInTheLandmarksFrame) {
     const Squares squares = SquaresOf(world, found, covariances);
     mean.landmarks += squares.landmarks / kWorlds;
     mean.pose += squares.pose / kWorlds;
+    mean.together += squares.together / kWorlds;
+    const Eigen::VectorXd smallest =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(covariances.joint).eigenvalues();
+    EXPECT_LT(smallest[2], 1e-9 * smallest[11]) << "together they neither shift nor turn";
+    EXPECT_GT(smallest[3], 1e-6 * smallest[11]);
+    for (Eigen::Index l = 0; l < 6; ++l)
+      EXPECT_LT(
+          (covariances.joint.block<2, 2>(2 * l, 2 * l) - covariances.landmarks[static_cast<std::size_t>(l)])
+              .norm(),
+          1e-9 * smallest[11]);
   }
+  EXPECT_NEAR(mean.together, 9.0, 1.8);  // a Cauchy's weights make errors of a Gaussian count for less
   EXPECT_NEAR(mean.landmarks, 2.0, 0.35);
   EXPECT_NEAR(mean.pose, 3.0, 1.0);
 }

@@ -278,6 +278,15 @@ bool HasOffset(const LeastSquaresProblem& problem, const LeastSquaresEnd& end) {
   return without.cost - with.cost > kGain * static_cast<double>(ranges);
 }
 
+// A landmark of which the least squares knows nothing.
+void StandsAlone(std::size_t l, const Landmark& landmark, Eigen::MatrixXd* covariance) {
+  if (covariance->size() == 0) return;
+  const auto at = 2 * static_cast<Eigen::Index>(l);
+  covariance->middleRows<2>(at).setZero();
+  covariance->middleCols<2>(at).setZero();
+  for (int k = 0; k < 4; ++k) (*covariance)(at + k / 2, at + k % 2) = landmark.covariance_m2[k];
+}
+
 }  // namespace
 
 JointRefinement RefineJointly(const kinds::Log& log, const std::vector<AssociatedPath>& paths,
@@ -323,12 +332,16 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
                           FindSensorShifts(problem, end.point, built.odometry),
                           problem,
                           end.point};
+  refined.covariance = covariances.joint;
   refined.fit.break_lead_nats = break_lead_nats;
   std::vector<bool> seen(landmarks.size(), false);
   for (const Sighting& sighting : problem.sightings) seen[static_cast<std::size_t>(sighting.landmark)] = true;
   for (std::size_t l = 0; l < landmarks.size(); ++l) {
-    if (!seen[l]) continue;
     Landmark& landmark = refined.landmarks[l];
+    if (!seen[l]) {
+      StandsAlone(l, landmark, &refined.covariance);
+      continue;
+    }
     landmark.x_m = end.point.landmarks[l].x();
     landmark.y_m = end.point.landmarks[l].y();
     for (int k = 0; k < 4; ++k) landmark.covariance_m2[k] = covariances.landmarks[l](k / 2, k % 2);

@@ -24,6 +24,8 @@ struct JointRefinement {
   // What it is the end of, with the widths that were found.
   LeastSquaresProblem problem = {};
   LeastSquaresPoint point = {};
+  // Of all landmarks together [2K,2K], of which theirs are the diagonal blocks; empty: they are too many.
+  Eigen::MatrixXd covariance = {};
 };
 
 // Unknown are the poses at all observations of landmarks, the landmarks, and each robot's drift and scales

@@ -250,4 +250,15 @@ double PathMatrix::Inverse::At(int row, int column) const {
   return within / 3 == other / 3 ? own_[pose](within % 3, other % 3) : next_[pose](within % 3, other % 3);
 }
 
+Eigen::MatrixXd PathMatrix::Inverse::OfShared(int first, int count) const {
+  Eigen::MatrixXd of_shared(count, count);
+  const int* in_rest = matrix_.in_rest_.data() + matrix_.size() - matrix_.shared_ + first;
+  for (int k = 0; k < count; ++k) {
+    const Eigen::VectorXd column =
+        matrix_.rest_factor_.solve(Eigen::VectorXd::Unit(matrix_.rest_size_, in_rest[k]));
+    for (int j = 0; j < count; ++j) of_shared(j, k) = column[in_rest[j]];
+  }
+  return of_shared;
+}
+
 }  // namespace cairn::landmark_map

@@ -42,6 +42,9 @@ class PathMatrix {
    public:
     explicit Inverse(const PathMatrix& matrix);
     double At(int row, int column) const;
+    // Of the shared unknowns from `first` on: all of them with one another, whether entries can be added or
+    // not.
+    Eigen::MatrixXd OfShared(int first, int count) const;
 
    private:
     const PathMatrix& matrix_;

@@ -93,6 +93,9 @@ TEST(PathMatrix, HasTheEntriesOfTheWholeInverse) {
           << row << ' ' << column << ' ' << segment_poses;
       EXPECT_NEAR(entries.At(column, row), inverse(row, column), tolerance);
     }
+    const int first = 1, count = example.shared - 1;
+    EXPECT_LT((entries.OfShared(first, count) - inverse.bottomRightCorner(count, count)).norm(),
+              1e-9 * inverse.norm());
   }
 }
 
