@@ -181,7 +181,7 @@ class Kind:
         text = f"{self.name} {seed}: topology {WORDS[right]}, verdict {verdict}"
         if pair:
             self.pairs.append(pair)
-            (ours, path), (theirs, their_path), _ = pair
+            (ours, path), (theirs, their_path) = pair
             text += (f"; landmarks {ours:.3f} m, the peer {theirs:.3f} m, {ours / theirs:.2f};"
                      f" path {path:.3f} m, {their_path:.3f} m, {path / their_path:.2f}")
         for what, coverage in self.coverage.items():
