@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <string>
 #include <vector>
@@ -116,6 +117,25 @@ Status PrepareProcess(const ProcessNeeds& needs) {
       !status.ok())
     return status;
   return CheckThreads(needs.threads);
+}
+
+std::uint64_t MemoryToHave(const std::filesystem::path& group_of_process,
+                           const std::filesystem::path& groups) {
+  auto least = static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
+               static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  rlimit addresses{};
+  if (::getrlimit(RLIMIT_AS, &addresses) == 0) least = std::min<std::uint64_t>(least, addresses.rlim_cur);
+  std::ifstream lines(group_of_process);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("0::/")) continue;
+    for (std::filesystem::path group = line.substr(3);; group = group.parent_path()) {
+      std::ifstream limit(groups / group.relative_path() / "memory.max");
+      std::uint64_t bytes = 0;
+      if (limit >> bytes) least = std::min(least, bytes);  // or "max"
+      if (!group.has_relative_path()) break;
+    }
+  }
+  return least;
 }
 
 }  // namespace cairn

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 
 #include "schema/error.h"
 
@@ -22,5 +23,10 @@ struct ProcessNeeds {
 // says what is wrong; and no file takes the number of a standard stream that is closed, with what is written
 // there. kRefused: which limit is too low, what it is and what is needed.
 Status PrepareProcess(const ProcessNeeds& needs);
+
+// What a process may take of this machine: its memory, or the least that a limit on the process or on a group
+// that it is in (a container, a unit, a batch job; cgroups of version 2) leaves of it.
+std::uint64_t MemoryToHave(const std::filesystem::path& group_of_process = "/proc/self/cgroup",
+                           const std::filesystem::path& groups = "/sys/fs/cgroup");
 
 }  // namespace cairn

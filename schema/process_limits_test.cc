@@ -9,6 +9,8 @@
 
 #include <cerrno>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "schema/job.pb.h"
@@ -32,6 +34,31 @@ class Limited {
   decltype(RLIMIT_NOFILE) resource_;
   rlimit before_{};
 };
+
+TEST(ProcessLimits, TheMemoryToHaveIsTheLeastThatAGroupLeaves) {
+  std::string name = ::testing::TempDir() + "groups-XXXXXX";
+  ASSERT_NE(::mkdtemp(name.data()), nullptr);
+  const std::filesystem::path dir = name;
+  const std::uint64_t machine = MemoryToHave(dir / "none", dir);
+  EXPECT_EQ(machine, static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
+                         static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)));
+  std::filesystem::create_directories(dir / "all/batch/job");
+  const auto write = [&](const std::string& name, const std::string& text) {
+    std::ofstream(dir / name) << text << '\n';
+  };
+  write("self", "0::/batch/job");
+  write("all/batch/job/memory.max", "max");
+  const auto to_have = [&] { return MemoryToHave(dir / "self", dir / "all"); };
+  EXPECT_EQ(to_have(), machine);
+  write("all/batch/memory.max", "20000000");
+  EXPECT_EQ(to_have(), 20000000u);
+  write("all/memory.max", "30000000");
+  write("all/batch/job/memory.max", "10000000");
+  EXPECT_EQ(to_have(), 10000000u);
+  write("self", "3:cpu:/batch/job\n0::/");  // a container sees its own group as the root
+  EXPECT_EQ(to_have(), 30000000u);
+  std::filesystem::remove_all(dir);
+}
 
 TEST(ProcessLimits, TheSoftLimitOnOpenFilesIsRaised) {
   const Limited limited(RLIMIT_NOFILE, 20);

@@ -6,6 +6,7 @@
 
 #include "coordinator/store/recovery.h"
 #include "coordinator/store/served_file.h"
+#include "schema/process_limits.h"
 #include "schema/text.h"
 #include "schema/wire/keys.h"
 
@@ -42,7 +43,8 @@ Server::Server(const StoreFolder& folder, Transport& transport, JobTable table, 
       core_(options_.core),
       index_([this](const Hash& input) { return BytesOnDisk(input); }),
       files_(folder),
-      blobs_(files_, options_.memory_bytes),
+      blobs_(files_, options_.memory_bytes > 0 ? options_.memory_bytes
+                                               : std::min<std::uint64_t>(4ull << 30, MemoryToHave() / 4)),
       use_(folder.dir(), options_.store_limit_bytes),
       uploads_(options_.uploads,
                [this](const std::string& user, const Hash& hash) { return HasOf(user, hash); }),

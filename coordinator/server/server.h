@@ -37,7 +37,8 @@ struct ServerOptions {
   wire::KeyLimits key_limits;  // of keys that say nothing else
   UploadOptions uploads;
   std::uint64_t largest_input_bytes = wire::Limits().message_bytes;  // a worker gets it as one message
-  std::uint64_t memory_bytes = 4ull << 30;
+  // Blobs beyond this are kept on disk only; 0: beyond a quarter of MemoryToHave, or 4 GiB.
+  std::uint64_t memory_bytes = 0;
   // Of results and inputs, on their way to clients; as much again to administrators.
   std::uint64_t sent_bytes = 256ull << 20;
   // Of blobs, on their way to workers, each of which has an equal share; of parts, to all of them.

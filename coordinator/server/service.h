@@ -36,7 +36,7 @@ struct ServiceOptions {
   double keep_s = 0;                        // a job goes when it has ended for longer; 0: never
   double task_time_s = 0;                   // of a task whose job says nothing; 0: no limit
   std::uint64_t task_memory_mb = 0;         // the same
-  std::uint64_t memory_bytes = 4ull << 30;  // blobs beyond this are kept on disk only
+  std::uint64_t memory_bytes = 0;           // as of ServerOptions
   std::uint64_t sent_bytes = 256ull << 20;  // that clients have yet to read
   bool take_over = false;  // the store, also where another machine's coordinator did not give it back
   bool drain = false;      // takes no new jobs, and ends once none runs

@@ -107,6 +107,12 @@ void AddCoordinator(Command app, Invocation& call) {
           "--unread-mb", [&service](const std::uint64_t& mb) { service.sent_bytes = mb << 20; },
           "Results and inputs that clients have yet to read, at most; a quarter of it for one key (256)")
       .Within(1, 1'000'000);
+  command
+      .AddTaking<std::uint64_t>(
+          "--memory-mb", [&service](const std::uint64_t& mb) { service.memory_bytes = mb << 20; },
+          "What tasks have computed and others need is in memory up to this, and on disk alone beyond it (a "
+          "quarter of what the coordinator may have, 4096 at most)")
+      .Within(1, 1'000'000);
   command.Add("--checkpoint-interval", service.checkpoint_interval_s, "Seconds between checkpoints of a job")
       .Within(0.0, 3600.0)
       .ShowDefault();
