@@ -126,10 +126,12 @@ std::uint64_t MemoryToHave(const std::filesystem::path& group_of_process,
   rlimit addresses{};
   if (::getrlimit(RLIMIT_AS, &addresses) == 0) least = std::min<std::uint64_t>(least, addresses.rlim_cur);
   std::ifstream lines(group_of_process);
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.starts_with("0::/")) continue;
-    for (std::filesystem::path group = line.substr(3);; group = group.parent_path()) {
-      std::ifstream limit(groups / group.relative_path() / "memory.max");
+  for (std::string line; std::getline(lines, line);) {  // 0::/GROUP, or of version 1 4:memory:/GROUP
+    const bool is_second = line.starts_with("0::/"), is_first = line.find(":memory:/") != std::string::npos;
+    if (!is_first && !is_second) continue;
+    for (std::filesystem::path group = line.substr(line.find(":/") + 1);; group = group.parent_path()) {
+      std::ifstream limit(is_second ? groups / group.relative_path() / "memory.max"
+                                    : groups / "memory" / group.relative_path() / "memory.limit_in_bytes");
       std::uint64_t bytes = 0;
       if (limit >> bytes) least = std::min(least, bytes);  // or "max"
       if (!group.has_relative_path()) break;

@@ -25,7 +25,7 @@ struct ProcessNeeds {
 Status PrepareProcess(const ProcessNeeds& needs);
 
 // What a process may take of this machine: its memory, or the least that a limit on the process or on a group
-// that it is in (a container, a unit, a batch job; cgroups of version 2) leaves of it.
+// that it is in (a container, a unit, a batch job) leaves of it.
 std::uint64_t MemoryToHave(const std::filesystem::path& group_of_process = "/proc/self/cgroup",
                            const std::filesystem::path& groups = "/sys/fs/cgroup");
 

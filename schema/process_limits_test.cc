@@ -57,6 +57,11 @@ TEST(ProcessLimits, TheMemoryToHaveIsTheLeastThatAGroupLeaves) {
   EXPECT_EQ(to_have(), 10000000u);
   write("self", "3:cpu:/batch/job\n0::/");  // a container sees its own group as the root
   EXPECT_EQ(to_have(), 30000000u);
+  write("self", "4:memory:/old/one\n0::/");
+  std::filesystem::create_directories(dir / "all/memory/old/one");
+  write("all/memory/old/memory.limit_in_bytes", "5000000");
+  write("all/memory/old/one/memory.limit_in_bytes", "9223372036854771712");
+  EXPECT_EQ(to_have(), 5000000u);
   std::filesystem::remove_all(dir);
 }
 
