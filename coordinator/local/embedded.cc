@@ -251,7 +251,6 @@ Status Run::Open() {
   server.core.build = ThisBuild();
   server.core.checkpoint_interval_s = options_.checkpoint_interval_s;
   server.core.checkpoint_rounds = options_.checkpoint_rounds;
-  server.memory_bytes = options_.memory_bytes;
   server.given_inputs = inputs_;
   server.result_path = [this](const std::string&, const std::string& stage) { return ResultFile(stage); };
   server.result_files = [this](const std::string&) { return PublishedByThisRun(); };

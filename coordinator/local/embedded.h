@@ -28,7 +28,6 @@ struct EmbeddedOptions {
   double checkpoint_interval_s = 0.5;   // its workers compute for more than a second in one
   std::uint64_t checkpoint_rounds = 0;  // one every so many rounds instead; 0: by the interval
   double save_patience_s = 1.2;         // that a stopped run waits for its last save: Ctrl-C ends within 2 s
-  std::uint64_t memory_bytes = 4ull << 30;
   std::uint64_t task_memory_mb = 0;  // that a task may take, whatever the job says; 0: the job's limit alone
   LogSink log;                       // may be empty
   // Called with the endpoint at which clients may ask, once the job is there. May be empty, and may throw.
