@@ -100,7 +100,8 @@ bool HoldARobot(const RowAssociations& rows) {
 }
 
 // Of contact detections whose landmarks the least squares has placed: the paths, too, and all covariances by
-// the widths that errors show. Not where it would move a landmark by more than the core, or
+// the widths that errors show. Not where it would move a landmark by more than the core and three of its
+// standard deviations: a map may be a few per cent too large, and its far end lie by as much elsewhere. Nor
 // where a robot hangs on one landmark.
 void RefineContacts(const kinds::Log& log, const std::vector<AssociatedPath>& paths, const Settings& settings,
                     RefinedMap* map) {
@@ -109,7 +110,10 @@ void RefineContacts(const kinds::Log& log, const std::vector<AssociatedPath>& pa
   if (!joint.refused.empty()) return;
   for (std::size_t l = 0; l < joint.landmarks.size(); ++l) {
     const Landmark &before = map->landmarks[l], &now = joint.landmarks[l];
-    if (!(std::hypot(now.x_m - before.x_m, now.y_m - before.y_m) <= settings.map.core_m)) return;
+    const double sigma_m = std::sqrt(now.covariance_m2[0] + now.covariance_m2[3]);
+    if (!(std::hypot(now.x_m - before.x_m, now.y_m - before.y_m) <=
+          std::max(settings.map.core_m, 3 * sigma_m)))
+      return;
   }
   map->landmarks = std::move(joint.landmarks);
   map->covariance = std::move(joint.covariance);
