@@ -17,6 +17,7 @@
 #include "schema/wire/poller.h"
 #include "schema/wire/socket.h"
 #include "schema/wire/testing/private_folder.h"
+#include "tests/bench/exchange.h"
 
 namespace cairn::bench {
 namespace {
@@ -26,29 +27,18 @@ constexpr int kBlobs = 40;
 constexpr int kInFlight = 4;
 constexpr int kTurns = 5;
 
-double Seconds(const std::function<void()>& work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
 // Bytes a second, with at most kInFlight blobs on their way.
-double BytesPerSecond(const std::function<void()>& send, const std::function<void()>& take) {
+double BytesPerSecond(Awaited& words, const std::function<void()>& send, const std::function<void()>& take) {
   send(), take();
-  const double seconds = Seconds([&] {
-    int sent = 0;
-    for (int taken = 0; taken < kBlobs; ++taken) {
-      for (; sent < kBlobs && sent - taken < kInFlight; ++sent) send();
-      take();
-    }
-  });
-  return kBlobs * static_cast<double>(kBlobBytes) / seconds;
+  return Rate(words, kBlobs, kInFlight, send, take) * static_cast<double>(kBlobBytes);
 }
 
 std::vector<double> Numbers() { return std::vector<double>(kBlobBytes / sizeof(double), 1.5); }
 
 // Bare ZeroMQ, one thread for I/O on each side, frames sent without a copy; each blob is answered by a word.
 double BareRate(bool curve) {
+  Awaited words(curve ? "bare ZeroMQ's word for a blob over TCP, with CURVE"
+                      : "bare ZeroMQ's word for a blob over TCP");
   const wire::KeyPair server = wire::GenerateKeyPair(), client = wire::GenerateKeyPair();
   zmq::context_t here, there;
   zmq::socket_t sender(here, zmq::socket_type::dealer), receiver(there, zmq::socket_type::dealer);
@@ -75,7 +65,7 @@ double BareRate(bool curve) {
     zmq::message_t message;
     if (!sender.recv(message)) std::abort();
   };
-  const double rate = BytesPerSecond(send, take);
+  const double rate = BytesPerSecond(words, send, take);
   sender.send(zmq::str_buffer("."), zmq::send_flags::none);
   other.join();
   return rate;
@@ -87,20 +77,20 @@ void TakeBlobs(wire::DealerSocket dealer) {
   poller.Add(dealer);
   wire::Message word;
   word.envelope.mutable_leave();
-  while (!dealer.Send(word).ok()) poller.Wait(std::chrono::milliseconds(1));
+  SendOver(dealer, poller, word);
   while (true) {
-    while (dealer.TryEvent()) {
-    }
+    TakeEvents(dealer);
     while (std::optional<wire::Received> received = dealer.TryReceive()) {
       CAIRN_DEMAND(received->status.ok(), received->status.message());
       if (!received->message.envelope.has_blob()) return;
-      while (!dealer.Send(word).ok()) poller.Wait(std::chrono::milliseconds(1));
+      SendOver(dealer, poller, word);
     }
     poller.Wait(std::chrono::seconds(10));
   }
 }
 
 double WireRate() {
+  Awaited words("the word for a blob over schema/wire, with CURVE");
   const wire::PrivateFolder folder;
   const wire::KeyPair server = wire::GenerateKeyPair(), client = wire::GenerateKeyPair();
   std::ofstream(folder.path() / "allowed") << client.public_key << " worker\nend\n";
@@ -117,7 +107,10 @@ double WireRate() {
   poller.Add(router);
   const auto take = [&] {
     while (true) {
-      if (std::optional<wire::Received> received = router.TryReceive()) return received->peer;
+      if (const std::optional<wire::Received> received = router.TryReceive()) {
+        CAIRN_DEMAND(received->status.ok(), received->status.message());
+        return received->peer;
+      }
       poller.Wait(std::chrono::seconds(10));
     }
   };
@@ -128,7 +121,7 @@ double WireRate() {
   message.envelope.mutable_blob();
   message.blobs = {wire::NameBlob(std::make_shared<const Blob>(std::move(blob)))};
   const auto send = [&] { CAIRN_DEMAND(router.Send(peer, message).ok(), "not sent"); };
-  const double rate = BytesPerSecond(send, [&] { take(); });
+  const double rate = BytesPerSecond(words, send, [&] { take(); });
   message.envelope.mutable_leave();
   message.blobs.clear();
   CAIRN_DEMAND(router.Send(peer, message).ok(), "not sent");

@@ -16,6 +16,7 @@
 #include "schema/wire/socket.h"
 #include "schema/wire/testing/private_folder.h"
 #include "tests/bench/blob_rates.h"
+#include "tests/bench/exchange.h"
 #include "worker/worker.h"
 #include "worker/zmq_transport.h"
 
@@ -27,24 +28,6 @@ constexpr int kStreamed = 200'000;
 constexpr int kInFlight = 64;
 constexpr int kBlobs = 60;
 constexpr std::size_t kBlobBytes = std::size_t{16} << 20;
-
-double Seconds(const std::function<void()>& work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
-// `count` requests with at most `in_flight` unanswered, in requests a second.
-double Rate(int count, int in_flight, const std::function<void()>& ask, const std::function<void()>& take) {
-  const double seconds = Seconds([&] {
-    int asked = 0;
-    for (int taken = 0; taken < count; ++taken) {
-      for (; asked < count && asked - taken < in_flight; ++asked) ask();
-      take();
-    }
-  });
-  return count / seconds;
-}
 
 // ---- bare ZeroMQ: an echo in another thread ----
 class BareEcho {
@@ -108,6 +91,7 @@ class Server {
   wire::Received Take() {
     while (true) {
       if (std::optional<wire::Received> received = router_.TryReceive()) {
+        CAIRN_DEMAND(received->status.ok(), received->status.message());
         if (received->message.envelope.has_heartbeat()) continue;
         return std::move(*received);
       }
@@ -115,7 +99,10 @@ class Server {
     }
   }
   void Send(const std::string& peer, const wire::Message& message) {
-    while (router_.Send(peer, message).code() == Code::kBusy) poller_.Wait(std::chrono::milliseconds(1));
+    Status sent = router_.Send(peer, message);
+    for (; sent.code() == Code::kBusy; sent = router_.Send(peer, message))
+      poller_.Wait(std::chrono::milliseconds(1));
+    CAIRN_DEMAND(sent.ok(), sent.message());
   }
 
  private:
@@ -130,18 +117,11 @@ void ServeEcho(const std::string& endpoint) {
   wire::DealerSocket dealer = wire::DealerSocket::Connect(context, endpoint).value();
   wire::Poller poller;
   poller.Add(dealer);
-  const auto take_events = [&] {
-    while (dealer.TryEvent()) {
-    }
-  };
-  const auto send = [&](const wire::Message& message) {
-    for (take_events(); !dealer.Send(message).ok(); take_events()) poller.Wait(std::chrono::milliseconds(1));
-  };
   wire::Message hello;
   hello.envelope.mutable_hello();
-  send(hello);
+  SendOver(dealer, poller, hello);
   while (true) {
-    take_events();
+    TakeEvents(dealer);
     while (std::optional<wire::Received> received = dealer.TryReceive()) {
       if (received->message.envelope.has_leave()) return;
       wire::Message answer = std::move(received->message);
@@ -149,7 +129,7 @@ void ServeEcho(const std::string& endpoint) {
         answer = {};
         answer.envelope.mutable_missing();
       }
-      send(answer);
+      SendOver(dealer, poller, answer);
     }
     poller.Wait(std::chrono::seconds(10));
   }
@@ -173,17 +153,19 @@ struct Figures {
 };
 
 Figures MeasureBare(const std::string& endpoint) {
+  Awaited answers("an answer of bare ZeroMQ's echo");
   BareEcho echo(endpoint);
   const auto small = [&] { echo.Ask(zmq::message_t(64)); };
   const auto large = [&, data = std::make_shared<std::string>(kBlobBytes, 'x')] {
     echo.Ask(zmq::message_t(data->data(), data->size(), [](void*, void*) {}));
   };
   const auto take = [&] { echo.Take(); };
-  return {Rate(kRoundTrips, 1, small, take), Rate(kStreamed, kInFlight, small, take),
-          Rate(kBlobs, 4, large, take) * kBlobBytes};
+  return {Rate(answers, kRoundTrips, 1, small, take), Rate(answers, kStreamed, kInFlight, small, take),
+          Rate(answers, kBlobs, 4, large, take) * kBlobBytes};
 }
 
 Figures MeasureWire(const std::string& endpoint) {
+  Awaited answers("an answer of the echo over schema/wire");
   Server server(endpoint);
   std::thread echo(ServeEcho, endpoint);
   const std::string peer = server.Take().peer;
@@ -196,10 +178,10 @@ Figures MeasureWire(const std::string& endpoint) {
   large.blobs = {wire::NameBlob(std::make_shared<const Blob>(std::move(blob)))};
   const auto take = [&] { server.Take(); };
   const Figures figures = {Rate(
-                               kRoundTrips, 1, [&] { server.Send(peer, small); }, take),
+                               answers, kRoundTrips, 1, [&] { server.Send(peer, small); }, take),
                            Rate(
-                               kStreamed, kInFlight, [&] { server.Send(peer, small); }, take),
-                           Rate(kBlobs, 4, [&] { server.Send(peer, large); }, take) * kBlobBytes};
+                               answers, kStreamed, kInFlight, [&] { server.Send(peer, small); }, take),
+                           Rate(answers, kBlobs, 4, [&] { server.Send(peer, large); }, take) * kBlobBytes};
   wire::Message leave;
   leave.envelope.mutable_leave();
   server.Send(peer, leave);
@@ -208,13 +190,16 @@ Figures MeasureWire(const std::string& endpoint) {
 }
 
 Figures MeasureWorker(const std::string& endpoint) {
+  Awaited answers("the worker's Hello or Done");
   Server server(endpoint);
   std::atomic<bool> stop{false};
   const std::unique_ptr<worker::ZmqTransport> transport = worker::ZmqTransport::Connect(endpoint).value();
   std::thread thread([&] {
     const auto factory = [](const proto::Stage&, std::uint64_t) { return std::make_unique<Trivial>(); };
     worker::WorkerOptions options;
-    options.session.hello.set_slots(kInFlight);  // of more it takes none
+    options.session.log = [](worker::Severity severity, const std::string& line) {
+      if (severity != worker::Severity::kInfo) std::fprintf(stderr, "the worker: %s\n", line.c_str());
+    };
     worker::RunWorker(*transport, factory, options, stop);
   });
   const std::string peer = server.Take().peer;
@@ -230,7 +215,8 @@ Figures MeasureWorker(const std::string& endpoint) {
     server.Send(peer, assign);
   };
   const auto take = [&] { CAIRN_DEMAND(server.Take().message.envelope.has_done(), "a trivial task failed"); };
-  const Figures figures = {Rate(kRoundTrips, 1, ask, take), Rate(kStreamed, kInFlight, ask, take), 0};
+  const Figures figures = {Rate(answers, kRoundTrips, 1, ask, take),
+                           Rate(answers, kStreamed, kInFlight, ask, take), 0};
   stop = true;
   transport->Wake();
   thread.join();
@@ -265,6 +251,7 @@ void Main() {
   Print("bare ZeroMQ, 64 bytes", bare, bare);
   Print("schema/wire, an Envelope", ours, bare);
   Print("worker, a trivial task", worker, bare);
+  std::fflush(stdout);
 }
 
 }  // namespace
