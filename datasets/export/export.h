@@ -35,12 +35,16 @@ struct GeoOrigin {
 Written ExportGeojson(const Blob& blob, const GeoOrigin& origin, const std::string& folder,
                       bool replace = true);
 
+// How a graph has landmarks: as VERTEX_XY and EDGE_SE2_XY, or as poses of which next to nothing tells the
+// heading, VERTEX_SE2 and EDGE_SE2, for readers that know only these, as GTSAM's.
+enum class G2oLandmarks { kPoints, kPoses };
 // graph.g2o: VERTEX_SE2 for each pose (as for tum), VERTEX_XY for each landmark. With the log at hand (else
 // null) the edges are what the result was made of: odometry from each pose to the next one, and observations
 // of landmarks or loops (landmark_edges.h, local_edges.h), so that a solver that starts from the vertices
 // stays there. Without it an EDGE_SE2 from each pose to the next one is the result's own motion, as sure as
 // the mean of its two poses' covariances, turned into the first pose's frame: a picture.
-Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder, bool replace = true);
+Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder, bool replace = true,
+                  G2oLandmarks landmarks = G2oLandmarks::kPoints);
 
 // map.pgm and map.yaml, as map_server of ROS reads them. Trinary: occupied 0, free 254, unknown 205, by
 // map_saver's thresholds 0.65 and 0.196. Scale: grey 255 (1 - p), and map.png beside, which map.yaml names:

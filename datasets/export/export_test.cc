@@ -154,19 +154,19 @@ TEST(ExportG2o, WritesVerticesAndWhatTheLogSaysOfThem) {
   ASSERT_EQ(lines.size(), 6U + 2 + 1 + 4 + 2);
   ExpectNear(Numbers(lines[1], "VERTEX_SE2 "), {1, 1, 0, M_PI / 2});
   EXPECT_EQ(lines[6], "VERTEX_XY 6 2 0");
-  EXPECT_EQ(lines[8], "FIX 0");
+  EXPECT_EQ(lines.back(), "FIX 0") << "GTSAM reads nothing behind it";
   // First the turn of 0.1, then 1 m: whatever the vertices say.
-  const auto motion = Numbers(lines[9], "EDGE_SE2 ");
+  const auto motion = Numbers(lines[8], "EDGE_SE2 ");
   ExpectNear({motion.begin(), motion.begin() + 5}, {0, 1, std::cos(0.1), std::sin(0.1), 0.1});
   // Along the way it errs by 2% of its metre's root alone, and by what a turn shifts it.
   EXPECT_NEAR(motion[5], 1 / (0.02 * 0.02 + 0.005 * 0.005 * 0.1 + kSlip_m * kSlip_m), 1e-6);
   // Range 2 m (sd 0.1) at 0.5 rad (sd 0.05, so 0.1 m across): a round ellipse. The landmark lies at (2,
   // 0), 9.9 standard deviations off, of which Cauchy's tails make a weight.
   const double squares = 8 * (1 - std::cos(0.5)) / 0.01, information = 100 / (1 + squares / 9);
-  ExpectNear(Numbers(lines[13], "EDGE_SE2_XY "),
+  ExpectNear(Numbers(lines[12], "EDGE_SE2_XY "),
              {0, 6, 2 * std::cos(0.5), 2 * std::sin(0.5), information, 0, information});
   // A contact detection where the vertex is the landmark's place (sd 0.3).
-  ExpectNear(Numbers(lines[14], "EDGE_SE2_XY "), {2, 7, 0, 0, 1 / 0.09, 0, 1 / 0.09});
+  ExpectNear(Numbers(lines[13], "EDGE_SE2_XY "), {2, 7, 0, 0, 1 / 0.09, 0, 1 / 0.09});
 }
 
 TEST(ExportG2o, WithoutTheLogEdgesAreTheResultsOwnMotions) {
@@ -175,10 +175,10 @@ TEST(ExportG2o, WithoutTheLogEdgesAreTheResultsOwnMotions) {
   ASSERT_EQ(lines.size(), 6U + 2 + 1 + 4);
   // Mean of 0 and 0.04, plus the least variance.
   const double information = 1 / (0.02 + 1e-6);
-  ExpectNear(Numbers(lines[9], "EDGE_SE2 "),
+  ExpectNear(Numbers(lines[8], "EDGE_SE2 "),
              {0, 1, 1, 0, M_PI / 2, information, 0, 0, information, 0, information}, 1e-6);
   // From (1, 0), heading up, to (1, 2): 2 m ahead.
-  const auto ahead = Numbers(lines[10], "EDGE_SE2 ");
+  const auto ahead = Numbers(lines[9], "EDGE_SE2 ");
   ExpectNear({ahead.begin(), ahead.begin() + 5}, {1, 2, 2, 0, 3 - M_PI / 2});
 }
 
@@ -192,11 +192,11 @@ TEST(ExportG2o, TakesOffWhatTheResultFoundThatOdometryErrsBy) {
   result.PutScalar<double>("robot/0/range_offset_m", 0.5);
   const auto lines = LinesOf(ExportG2o(result, &log, folder / "").value().at(0));
   // It turns by 0.3, less half of the drift, goes 1.5 m, and turns by the other half.
-  const auto motion = Numbers(lines[9], "EDGE_SE2 ");
+  const auto motion = Numbers(lines[8], "EDGE_SE2 ");
   ExpectNear({motion.begin(), motion.begin() + 5}, {0, 1, 1.5 * std::cos(0.2), 1.5 * std::sin(0.2), 0.1});
-  const auto others = Numbers(lines[11], "EDGE_SE2 ");  // nothing was found of the other robot
+  const auto others = Numbers(lines[10], "EDGE_SE2 ");  // nothing was found of the other robot
   ExpectNear({others.begin(), others.begin() + 5}, {3, 4, std::cos(0.1), std::sin(0.1), 0.1});
-  const auto seen = Numbers(lines[13], "EDGE_SE2_XY ");
+  const auto seen = Numbers(lines[12], "EDGE_SE2_XY ");
   ExpectNear({seen.begin() + 2, seen.begin() + 4}, {1.5 * std::cos(0.5), 1.5 * std::sin(0.5)});
 }
 
@@ -209,7 +209,7 @@ TEST(ExportG2o, AnObservationBetweenTwoVerticesIsTakenToTheOneBeforeByOdometry) 
   log.PutVector<double>("robot/0/odometry/forward_m", {0, 1, 0, 2});
   log.PutVector<double>("robot/0/observations/time_s", {1.5, 2.5, 3});
   const auto lines = LinesOf(ExportG2o(ScaledResult(), &log, folder / "").value().at(0));
-  const auto seen = Numbers(lines[13], "EDGE_SE2_XY ");
+  const auto seen = Numbers(lines[12], "EDGE_SE2_XY ");
   ExpectNear({seen.begin(), seen.begin() + 4}, {0, 6, 0.5 + 2 * std::cos(0.5), 2 * std::sin(0.5)}, 1e-9);
 }
 
@@ -222,9 +222,35 @@ TEST(ExportG2o, ObservationsThatTheMapWasMadeWithoutAreLeftOut) {
   const auto lines = LinesOf(ExportG2o(result, &log, folder / "").value().at(0));
   // The second one is named, so it counts however likely it is; the third one is rather of nothing.
   ASSERT_EQ(lines.size(), 6U + 2 + 1 + 4 + 1);
-  const auto seen = Numbers(lines[13], "EDGE_SE2_XY ");
+  const auto seen = Numbers(lines[12], "EDGE_SE2_XY ");
   EXPECT_EQ(seen[0], 1);
   EXPECT_EQ(seen[1], 6);
+}
+
+TEST(ExportG2o, LandmarksAsPosesCountAsMuchAsPointsDo) {
+  const TestFolder folder;
+  const Blob log = SmallLog();
+  const auto points = LinesOf(ExportG2o(ScaledResult(), &log, folder / "").value().at(0)),
+             poses = LinesOf(
+                 ExportG2o(ScaledResult(), &log, folder / "", true, G2oLandmarks::kPoses).value().at(0));
+  ASSERT_EQ(poses.size(), points.size());
+  EXPECT_EQ(poses[6], "VERTEX_SE2 6 2 0 0");
+  for (const std::size_t row : {12, 13}) {
+    const auto point = Numbers(points[row], "EDGE_SE2_XY "), pose = Numbers(poses[row], "EDGE_SE2 ");
+    ExpectNear({pose.begin(), pose.begin() + 4}, {point.begin(), point.begin() + 4});
+    // Its heading is 0 in the map, and the information is in its frame.
+    const double from_rad = Numbers(points[static_cast<std::size_t>(point[0])], "VERTEX_SE2 ")[3];
+    EXPECT_NEAR(pose[4], -from_rad, 1e-12);
+    const auto in_frame_of = [](const std::vector<double>& upper, double x, double y) {
+      return upper[0] * x * x + 2 * upper[1] * x * y + upper[2] * y * y;
+    };
+    const double c = std::cos(pose[4]), s = std::sin(pose[4]);
+    const std::vector<double> of_point{point.begin() + 4, point.end()}, of_pose{pose[5], pose[6], pose[8]};
+    for (const auto& [x, y] : {std::pair(1.0, 0.0), {0.0, 1.0}, {0.3, -2.0}})
+      EXPECT_NEAR(in_frame_of(of_pose, c * x + s * y, c * y - s * x), in_frame_of(of_point, x, y), 1e-9);
+    ExpectNear({pose[7], pose[9]}, {0, 0});
+    EXPECT_NEAR(pose[10], 1e-6 * (of_point[0] + of_point[2]), 1e-15);
+  }
 }
 
 TEST(ExportG2o, ALogOfAnotherRunIsRefused) {

@@ -36,12 +36,13 @@ std::string OwnEdge(const Path& path, std::size_t i, std::size_t first_id) {
 
 bool IsLocalMap(const Blob& result) { return result.Has("connections/kind"); }
 
-std::string EdgesOf(const Blob& result, const Blob* log, const std::vector<Path>& paths) {
+std::string EdgesOf(const Blob& result, const Blob* log, const std::vector<Path>& paths,
+                    G2oLandmarks landmarks) {
   if (log != nullptr) {
     CheckMadeFrom(result, *log);
     const auto of = Read<kinds::Log>(*log);
     return IsLocalMap(result) ? LocalMapEdges(Read<kinds::LocalMap>(result), of, paths)
-                              : LandmarkMapEdges(Read<kinds::LandmarkMap>(result), of, paths);
+                              : LandmarkMapEdges(Read<kinds::LandmarkMap>(result), of, paths, landmarks);
   }
   std::string text;
   std::size_t id = 0;
@@ -54,7 +55,8 @@ std::string EdgesOf(const Blob& result, const Blob* log, const std::vector<Path>
 
 }  // namespace
 
-Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder, bool replace) {
+Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder, bool replace,
+                  G2oLandmarks landmarks) {
   const std::vector<Path> paths = ReadPaths(result);
   std::string vertices, fixed;
   std::size_t id = 0;
@@ -63,9 +65,14 @@ Written ExportG2o(const Blob& result, const Blob* log, const std::string& folder
     if (id == 0 || IsLocalMap(result)) fixed += "FIX " + std::to_string(id) + "\n";
     for (const Pose& pose : path.poses) vertices += PoseVertex(id++, pose);
   }
-  for (const MapLandmark& landmark : ReadMapLandmarks(result)) vertices += LandmarkVertex(id++, landmark.at);
+  for (const MapLandmark& landmark : ReadMapLandmarks(result)) {
+    vertices += landmarks == G2oLandmarks::kPoses ? PoseVertex(id, {landmark.at.x_m, landmark.at.y_m, 0})
+                                                  : LandmarkVertex(id, landmark.at);
+    ++id;
+  }
   FolderWriter writer(folder, replace);
-  writer.Write("graph.g2o", vertices + fixed + EdgesOf(result, log, paths));
+  // GTSAM's reader takes two numbers after a FIX, and ends where there is but one.
+  writer.Write("graph.g2o", vertices + EdgesOf(result, log, paths, landmarks) + fixed);
   return writer.Finish();
 }
 

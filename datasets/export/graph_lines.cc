@@ -33,6 +33,15 @@ std::string LandmarkEdge(std::size_t from, std::size_t to, const Eigen::Vector2d
                      Upper(information));
 }
 
+std::string LandmarkPoseEdge(std::size_t from, double from_heading_rad, std::size_t to,
+                             const Eigen::Vector2d& seen, const Eigen::Matrix2d& information) {
+  constexpr double kOfHeading_m2_per_rad2 = 1e-6;  // GTSAM's Cholesky takes what is 1.6e7 times less for none
+  Eigen::Matrix3d all = Eigen::Matrix3d::Zero();
+  all.topLeftCorner<2, 2>() = information;
+  all(2, 2) = kOfHeading_m2_per_rad2 * information.trace();
+  return PoseEdge(from, to, {seen.x(), seen.y(), -from_heading_rad}, all);
+}
+
 std::string PoseVertex(std::size_t id, const Pose& pose) {
   return fmt::format("VERTEX_SE2 {} {} {} {}\n", id, NumberText(pose.x_m), NumberText(pose.y_m),
                      NumberText(pose.heading_rad));

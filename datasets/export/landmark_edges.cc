@@ -50,6 +50,7 @@ SeenWidths WidthsOf(const kinds::LandmarkMap::Fit& fit, const kinds::Log::Noise&
 // An observation of a landmark as its vertex has it: in that frame the robot's pose, and the landmark.
 struct SeenLandmark {
   std::size_t robot = 0, vertex = 0, landmark = 0;
+  double heading_rad = 0;  // the vertex's
   Pose from;
   double range_m = 0, bearing_rad = 0;  // of contact detections 0
   bool contact = false;
@@ -110,6 +111,7 @@ class Observer {
     seen.robot = path_.index;
     seen.vertex = first_id_ + pose;
     seen.landmark = static_cast<std::size_t>(robot_.map_landmark[row]);
+    seen.heading_rad = path_.poses[pose].heading_rad;
     seen.from = SinceVertex(pose, seen_.time_s[row]);
     seen.contact = std::isnan(seen_.range_m[row]);
     seen.sd_m = {widths_.contact_m, widths_.contact_m};
@@ -138,20 +140,23 @@ class Observer {
 
 // As the least squares weighs it in the end.
 std::string EdgeTo(const SeenLandmark& seen, const kinds::LandmarkMap::Fit& fit,
-                   std::size_t first_landmark_id) {
+                   std::size_t first_landmark_id, G2oLandmarks landmarks) {
   constexpr double kCauchySigmas = 3;  // what older files were made with
   Eigen::Vector2d share(1, 1);
   if (!seen.contact) share << 1 / fit.repeats_along.Or(1), 1 / fit.repeats_across.Or(1);
   const double weight = 1 / (1 + seen.off.cwiseAbs2().dot(share) / Square(fit.tail_sigmas.Or(kCauchySigmas)));
   const Eigen::Vector2d weights = weight * share.cwiseQuotient(seen.sd_m.cwiseAbs2());
-  return LandmarkEdge(seen.vertex, first_landmark_id + seen.landmark, seen.At(),
-                      seen.to_ray.transpose() * weights.asDiagonal() * seen.to_ray);
+  const Eigen::Matrix2d information = seen.to_ray.transpose() * weights.asDiagonal() * seen.to_ray;
+  const std::size_t id = first_landmark_id + seen.landmark;
+  return landmarks == G2oLandmarks::kPoses
+             ? LandmarkPoseEdge(seen.vertex, seen.heading_rad, id, seen.At(), information)
+             : LandmarkEdge(seen.vertex, id, seen.At(), information);
 }
 
 }  // namespace
 
 std::string LandmarkMapEdges(const kinds::LandmarkMap& map, const kinds::Log& log,
-                             const std::vector<Path>& paths) {
+                             const std::vector<Path>& paths, G2oLandmarks landmarks) {
   std::string text;
   std::vector<SeenLandmark> all;
   std::size_t id = 0;
@@ -170,7 +175,7 @@ std::string LandmarkMapEdges(const kinds::LandmarkMap& map, const kinds::Log& lo
     Observer(map, log, path, id, track).AddTo(&all);
     id += path.poses.size();
   }
-  for (const SeenLandmark& seen : all) text += EdgeTo(seen, map.fit, id);
+  for (const SeenLandmark& seen : all) text += EdgeTo(seen, map.fit, id, landmarks);
   return text;
 }
 

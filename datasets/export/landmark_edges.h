@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/export/export.h"
 #include "datasets/export/parts.h"
 #include "schema/kinds/landmark_map.h"
 #include "schema/kinds/log.h"
@@ -22,6 +23,6 @@ namespace cairn::datasets {
 //   less where successive observations of a landmark err in common.
 // Throws InputError where the result is of another log.
 std::string LandmarkMapEdges(const kinds::LandmarkMap& map, const kinds::Log& log,
-                             const std::vector<Path>& paths);
+                             const std::vector<Path>& paths, G2oLandmarks landmarks);
 
 }  // namespace cairn::datasets

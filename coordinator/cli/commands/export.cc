@@ -22,7 +22,8 @@ struct ExportArguments {
   const Format* format = nullptr;  // set by the subcommand
   std::string from;
   std::string folder;
-  std::string log;               // g2o only
+  std::string log;  // g2o only
+  bool landmarks_as_poses = false;
   std::string mode = "trinary";  // ros only
   datasets::GeoOrigin origin;    // geojson only
   bool force = false;
@@ -35,9 +36,12 @@ datasets::RosMode ModeOf(const std::string& mode) {
 }
 
 datasets::Written WriteG2o(const ExportArguments& options, const Blob& blob) {
-  if (options.log.empty()) return datasets::ExportG2o(blob, nullptr, options.folder, options.force);
+  const auto landmarks =
+      options.landmarks_as_poses ? datasets::G2oLandmarks::kPoses : datasets::G2oLandmarks::kPoints;
+  if (options.log.empty())
+    return datasets::ExportG2o(blob, nullptr, options.folder, options.force, landmarks);
   const Blob log = ReadResult(options.log, "log", options.changed).blob;
-  return datasets::ExportG2o(blob, &log, options.folder, options.force);
+  return datasets::ExportG2o(blob, &log, options.folder, options.force, landmarks);
 }
 
 template <datasets::Written (*Export)(const Blob&, const std::string&, bool)>
@@ -177,6 +181,9 @@ void AddFormat(Command parent, Invocation& call, const Format& format) {
         "--log", options->log,
         "The log that the result was made from: edges are its odometry and observations, or loops, at "
         "which a solver stays. Without it they are the result's own motions, to look at");
+    command.AddFlag("--landmarks-as-poses", options->landmarks_as_poses,
+                    "Landmarks as poses whose headings count next to nothing, for GTSAM, which leaves out "
+                    "EDGE_SE2_XY");
   }
 }
 
