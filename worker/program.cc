@@ -244,7 +244,7 @@ int WorkerProgram(int argc, char** argv, const std::vector<PipelineInfo>& pipeli
   try {
     std::vector<char*> words(argv, argv + argc);
     const std::vector<std::string> now = cli::ArgumentsNow(&words);
-    app.parse(argc, words.data());
+    cli::Parse(app, argc, words.data());
   } catch (const CLI::ParseError& error) {
     std::ostringstream help;
     if (app.exit(error, help) != 0) return kExitRefused;

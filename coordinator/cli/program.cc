@@ -159,7 +159,7 @@ int ParseAndRun(const Program& program, int argc, char** argv) {
   app.add_flag("-v,--verbose", call.verbose, "Say more about what happens");
   program.add_commands(Command(&app), call);
   try {
-    app.parse(argc, argv);
+    Parse(app, argc, argv);
   } catch (const CLI::Success& help) {
     // Of `cairn help nosuch` too.
     const std::string word = argc > 1 ? argv[1] : "-";

@@ -241,7 +241,7 @@ int PageProgram(int argc, char** argv) {
   app.set_version_flag("--version", CAIRN_VERSION);
   Declare(cli::Command(&app), arguments);
   try {
-    app.parse(argc, argv);
+    cli::Parse(app, argc, argv);
   } catch (const CLI::ParseError& error) {
     std::ostringstream help, complaint;
     if (app.exit(error, help, complaint) != 0) return Complain(error.what(), cli::kExitBadInput);

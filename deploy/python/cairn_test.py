@@ -329,6 +329,17 @@ class PackageTest(unittest.TestCase):
     def test_a_zero_byte_in_a_word_is_refused(self) -> None:
         self.refused("no zero byte", cairn.command, "inspect", "a\0b")
 
+    def test_empty_texts_are_refused_before_a_program_begins(self) -> None:
+        with mock.patch("subprocess.Popen", side_effect=AssertionError("a program has begun")):
+            self.refused("out: nothing is given", cairn.run, "landmark_map", "log.h5", out="")
+            self.refused("connect: nothing is given", cairn.submit, "landmark_map", "log.h5", connect="")
+            self.refused("server_key: nothing is given", cairn.submit, "landmark_map", "log.h5", server_key="")
+            self.refused("each: nothing is given", cairn.submit_each, "landmark_map", "")
+            self.refused("truth: nothing is given", cairn.evaluate, "map", truth="")
+            self.refused("is empty", cairn.evaluate, "", truth="log.h5")
+            self.refused("is empty", cairn.run, "landmark_map", "")
+            self.refused("is empty", cairn.command, "inspect", "")
+
     def test_what_a_stranger_wrote_is_printed_escaped(self) -> None:
         with self.hostile("escapes.h5", "log\x1b[31m\n\u202e") as f:
             f["a\x1b[2J"] = 1.0

@@ -8,15 +8,18 @@
 #include <cstdlib>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
+#include <vector>
 
 namespace cairn::cli {
 namespace {
 
+constexpr const char* kNothingGiven = "nothing is given (an empty word)";
+
 // What a shell makes of a variable that is not set: no file, no folder and no name of anything is meant.
 void RefuseEmpty(CLI::Option* option) {
-  option->check(
-      [](const std::string& text) { return text.empty() ? "nothing is given (an empty word)" : ""; });
+  option->check([](const std::string& text) { return text.empty() ? kNothingGiven : ""; });
 }
 
 // What CLI::Range checks and --help says of it; but CLI::Range lets "nan" pass, and writes a bound out in all
@@ -28,6 +31,24 @@ CLI::Validator Allowed(const CLI::Range& range, const std::string& allowed) {
             return right ? "" : "'" + text + "' is not allowed; allowed: " + allowed;
           },
           range.get_description()};
+}
+
+// The command that is meant, and those above it, whose options it takes too.
+using CommandPath = std::vector<const CLI::App*>;
+
+bool Descend(CommandPath& path, const std::string& word) {
+  const auto named =
+      path.back()->get_subcommands([&word](const CLI::App* command) { return command->get_name() == word; });
+  if (!named.empty()) path.push_back(named.front());
+  return !named.empty();
+}
+
+const CLI::Option* OptionOf(const CommandPath& path, const std::string& word) {
+  if (!word.starts_with('-')) return nullptr;
+  const std::string name = word.substr(0, word.find('='));
+  for (const CLI::App* command : path)
+    if (const CLI::Option* option = command->get_option_no_throw(name)) return option;
+  return nullptr;
 }
 
 }  // namespace
@@ -95,6 +116,24 @@ Argument Command::AddTaking(const std::string& names, std::function<void(const T
 
 Argument Command::AddFlag(const std::string& names, bool& value, const std::string& meaning) const {
   return Argument(app_->add_flag(names, value, meaning));
+}
+
+void Parse(CLI::App& app, int argc, const char* const* argv) {
+  CommandPath path = {&app};
+  for (int i = 1; i < argc && std::string_view(argv[i]) != "--"; ++i) {
+    const std::string word = argv[i];
+    if (Descend(path, word)) continue;
+    const CLI::Option* option = OptionOf(path, word);
+    if (option == nullptr) continue;
+    if (const std::size_t equals = word.find('='); equals != std::string::npos) {
+      if (equals + 1 == word.size()) throw CLI::ValidationError(word.substr(0, equals), kNothingGiven);
+    } else if (option->get_items_expected_min() > 0 && i + 1 < argc) {
+      const std::string next = argv[++i];  // no command, whatever it is called
+      if (next == "--" || OptionOf(path, next) != nullptr)
+        throw CLI::ValidationError(word, "nothing is given, '" + next + "' comes next");
+    }
+  }
+  app.parse(argc, argv);
 }
 
 #define CAIRN_ARGUMENT(...) \

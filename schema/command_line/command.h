@@ -66,4 +66,8 @@ class Command {
   CLI::App* app_ = nullptr;
 };
 
+// Of CLI11's parse(), which throws what this throws, `--out=` and `--out --force` take the next word for the
+// value, whatever it is. Here both are refused, and `--out=--force` alone means it.
+void Parse(CLI::App& app, int argc, const char* const* argv);
+
 }  // namespace cairn::cli

@@ -5,6 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace cairn::cli {
 namespace {
@@ -54,6 +56,60 @@ TEST(Argument, HelpSaysTheBoundsOfANumber) {
   const std::string help = app.help();
   EXPECT_NE(help.find("--some FLOAT:NONNEGATIVE"), std::string::npos) << help;
   EXPECT_NE(help.find("--few FLOAT:FLOAT in [1 - 5]"), std::string::npos) << help;
+}
+
+// What is said of these words of a program with the command `put`; empty where they are taken, then in `out`.
+std::string ComplaintOf(std::vector<const char*> words, std::string* out) {
+  CLI::App app;
+  app.fallthrough();
+  bool verbose = false, force = false;
+  std::string name;
+  int count = 0;
+  Command(&app).AddFlag("-v,--verbose", verbose, "say more");
+  const Command put = Command(&app).AddCommand("put", "puts");
+  put.Add("-o,--out", *out, "where");
+  put.Add("--count", count, "how many");
+  put.AddFlag("--force", force, "even so");
+  put.Add("NAME", name, "what");
+  words.insert(words.begin(), "program");
+  try {
+    Parse(app, static_cast<int>(words.size()), words.data());
+  } catch (const CLI::ParseError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Parse, NoOptionTakesTheNextOneForItsValue) {
+  std::string out;
+  const std::string empty = "--out: nothing is given (an empty word)";
+  EXPECT_EQ(ComplaintOf({"put", "--out=", "--force"}, &out), empty);
+  EXPECT_EQ(ComplaintOf({"put", "--out=", "here"}, &out), empty);
+  EXPECT_EQ(ComplaintOf({"put", "--out="}, &out), empty);
+  EXPECT_EQ(ComplaintOf({"put", "--out", ""}, &out), empty);
+  EXPECT_EQ(ComplaintOf({"put", "--out", "a", "--count=", "3"}, &out),
+            "--count: nothing is given (an empty word)");
+  EXPECT_EQ(ComplaintOf({"put", "--out", "--force"}, &out), "--out: nothing is given, '--force' comes next");
+  EXPECT_EQ(ComplaintOf({"put", "-o", "--count=3"}, &out), "-o: nothing is given, '--count=3' comes next");
+  // Of the command above too.
+  EXPECT_EQ(ComplaintOf({"put", "--out", "-v"}, &out), "--out: nothing is given, '-v' comes next");
+  EXPECT_EQ(ComplaintOf({"put", "--out", "--", "x"}, &out), "--out: nothing is given, '--' comes next");
+  EXPECT_NE(ComplaintOf({"put", "x", "--out"}, &out), "");
+}
+
+TEST(Parse, WhatIsNoOptionIsAValue) {
+  std::string out;
+  for (const auto& [words, value] : std::vector<std::pair<std::vector<const char*>, const char*>>{
+           {{"put", "--out=--force", "--force"}, "--force"},
+           {{"put", "--out", "--unknown"}, "--unknown"},
+           {{"put", "--out", "put", "--force"}, "put"},
+           {{"put", "--out", "a=", "--force"}, "a="},
+           {{"put", "--out", "a", "--", "--force="}, "a"},
+           {{"-v", "put", "-o", "-", "-v"}, "-"}}) {
+    out.clear();
+    EXPECT_EQ(ComplaintOf(words, &out), "");
+    EXPECT_EQ(out, value);
+  }
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <string>
 
+#include "schema/command_line/command.h"
 #include "tests/simulation/scale_world.h"
 #include "tests/simulation/size_world.h"
 #include "tests/simulation/world.h"
@@ -140,7 +141,7 @@ int main(int argc, char** argv) {
   AddSizeOptions(app, size);
   app.add_flag("--stop", stop, "end at the first seed that fails");
   try {
-    app.parse(argc, argv);
+    cairn::cli::Parse(app, argc, argv);
   } catch (const CLI::ParseError& error) {
     std::ostringstream help;
     if (app.exit(error, help) != 0) return 2;

@@ -59,6 +59,8 @@ def command(*words: PathLike) -> Any:
 
 def _word(word: PathLike) -> str:
     text = os.fspath(word)
+    if text == "":
+        raise InputError("a word of a command is empty")
     if "\0" in text:
         raise InputError(f"{text!r}: a word of a command has no zero byte")
     return f"./{text}" if text.startswith("-") and not isinstance(word, str) else text
@@ -68,8 +70,13 @@ def _option(name: str, value: Any) -> list[str]:
     """["--name=value"]; [] where it is None or False, as that is not said."""
     if value is None or value is False:
         return []
-    name = "--" + name.replace("_", "-")
-    return [name] if value is True else [f"{name}={_text(value)}"]
+    flag = "--" + name.replace("_", "-")
+    if value is True:
+        return [flag]
+    text = _text(value)
+    if text == "":
+        raise InputError(f"{name}: nothing is given (an empty text)")
+    return [f"{flag}={text}"]
 
 
 def _options(named: Mapping[str, Any]) -> list[str]:
