@@ -1,7 +1,10 @@
 #include "coordinator/cli/program.h"
 
+#include <sys/prctl.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <new>
@@ -157,6 +160,9 @@ int ParseAndRun(const Program& program, int argc, char** argv) {
          "Of logs on stderr: text, or json, an object a line")
       ->check(CLI::IsMember({"text", "json"}));
   app.add_flag("-v,--verbose", call.verbose, "Say more about what happens");
+  bool die_with_parent = false;
+  app.add_flag("--die-with-parent", die_with_parent,
+               "End, as by SIGTERM, with the process that started this one");
   program.add_commands(Command(&app), call);
   try {
     Parse(app, argc, argv);
@@ -176,6 +182,10 @@ int ParseAndRun(const Program& program, int argc, char** argv) {
     return code;
   } catch (const CLI::ParseError& error) {
     return UsageError(app, error, argc, argv);
+  }
+  if (die_with_parent) {
+    std::signal(SIGPIPE, SIG_IGN);  // what is saved then comes before what nobody reads
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   }
   call.run = [&app, argc, argv, run = call.run] {
     CheckArgumentBytes(*app.get_subcommands().front(), argc, argv);

@@ -24,8 +24,8 @@ def command(*words: PathLike) -> Any:
     """What `cairn WORDS… --json` says, from JSON: command("export", "tum", "map", "exported").
 
     A path that may begin with '-' is no option as a Path, or behind the word "--". What it warns of becomes Python's
-    warnings. An interrupt (Ctrl-C) is passed on, and waits until the program has saved
-    what it had.
+    warnings. An interrupt (Ctrl-C), or what else a handler of signals raises, stops the program, and waits until that has
+    saved what it had; an interrupt meanwhile ends it at once. It ends with Python, too.
     Raises InputError where the program ends with exit code 2, CairnError with any other, or where it says no JSON; the
     message is the program's.
     """
@@ -33,14 +33,17 @@ def command(*words: PathLike) -> Any:
     if program is None:
         raise CairnError("there is no program 'cairn' on the path: install Cairn, or add its folder to PATH")
     line = [_word(word) for word in words]
-    line.insert(line.index("--") if "--" in line else len(line), "--json")
+    at = line.index("--") if "--" in line else len(line)
+    line[at:at] = ["--json", "--die-with-parent"]
     line.insert(0, program)
-    with subprocess.Popen(line, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+    # A session of its own: a terminal's Ctrl-C would be a first signal beside ours, and the second ends it unsaved.
+    with subprocess.Popen(
+        line, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
+    ) as process:
         try:
             said, complained = process.communicate()
-        except KeyboardInterrupt:
-            process.send_signal(signal.SIGINT)
-            process.communicate()
+        except BaseException:
+            _stop(process)
             raise
     failure = f"{' '.join(line)}: ended with {process.returncode}"
     for complaint in complained.decode(errors="replace").splitlines():
@@ -55,6 +58,15 @@ def command(*words: PathLike) -> Any:
         except ValueError:
             raise CairnError(f"{' '.join(line)}: what it says is no JSON") from None
     raise (InputError if process.returncode == _BAD_INPUT else CairnError)(failure, process.returncode)
+
+
+def _stop(process: subprocess.Popen[bytes]) -> None:
+    process.send_signal(signal.SIGINT)
+    try:
+        process.communicate()
+    except KeyboardInterrupt:
+        process.send_signal(signal.SIGINT)
+        process.communicate()
 
 
 def _word(word: PathLike) -> str:
