@@ -119,9 +119,10 @@ void Watcher::Look(const std::string& job, std::function<void()> then) {
 void Watcher::Command(const std::string& job, const std::string& action, int priority,
                       std::function<void(const CommandOutcome&)> then) {
   const bool added = errands_.Add([this, job, action, priority, then] {
-    // Not before there is something to say: who connects and says nothing is turned away.
-    if (!commands_) commands_.emplace(ConnectOrThrow(options_.client));
-    const Result<wire::JobInfo> told = commands_->Command(job, action, priority);
+    // No longer than there is something to say: who connects and says nothing is turned away.
+    Result<coordinator::Client> client = coordinator::Client::Connect(options_.client);
+    const Result<wire::JobInfo> told =
+        client.ok() ? client.value().Command(job, action, priority) : client.status();
     then({told.ok(), told.ok() ? OutcomeText(action, told.value()) : AsSentence(told.status().message())});
     const std::lock_guard lock(mutex_);
     soon_ = true;
@@ -143,7 +144,7 @@ Status Watcher::AskForList(Facts* facts) {
     const std::lock_guard lock(mutex_);
     is_looked_at = begin_s - list_looked_s_ < options_.looked_at_s;
   }
-  Result<coordinator::JobList> list = asks_.List();
+  Result<coordinator::JobList> list = asks_->List();
   SetDue(&list_, begin_s, is_looked_at ? options_.least_s : std::max(options_.least_s, options_.unseen_s));
   if (!list.ok()) return list.status();
   facts->list = std::make_shared<coordinator::JobList>(std::move(list).value());
@@ -156,7 +157,7 @@ Status Watcher::AskForList(Facts* facts) {
 
 Status Watcher::AskForFleet(Facts* facts) {
   const double begin_s = Now();
-  Result<coordinator::FleetFacts> fleet = asks_.Fleet();
+  Result<coordinator::FleetFacts> fleet = asks_->Fleet();
   SetDue(&fleet_, begin_s, options_.least_s);
   if (!fleet.ok()) return fleet.status();
   facts->workers = std::move(fleet).value().workers;
@@ -179,7 +180,7 @@ Status Watcher::AskForJobs(Facts* facts) {
         jobs.emplace_back(id, looked.history);
   }
   for (const auto& [id, history] : jobs) {
-    const Result<coordinator::LogPart> part = asks_.Log(id, history ? history->last() : 0);
+    const Result<coordinator::LogPart> part = asks_->Log(id, history ? history->last() : 0);
     if (!part.ok()) {
       const Code code = part.status().code();
       if (code != Code::kRefused && code != Code::kNoSpace) return part.status();
@@ -203,11 +204,18 @@ Status Watcher::AskForJobs(Facts* facts) {
   return Status::Ok();
 }
 
+Status Watcher::Reach() {
+  if (asks_) return Status::Ok();
+  Result<coordinator::Client> client = coordinator::Client::Connect(options_.client);
+  if (client.ok()) asks_.emplace(std::move(client).value());
+  return client.status();
+}
+
 FactsPtr Watcher::Ask(bool all) {
   const FactsPtr before = Latest();
   auto facts = std::make_shared<Facts>(*before);
-  Status status;
-  if (all || Now() >= list_.at_s) status = AskForList(facts.get());
+  Status status = Reach();
+  if (status.ok() && (all || Now() >= list_.at_s)) status = AskForList(facts.get());
   if (status.ok() && (all || Now() >= fleet_.at_s)) status = AskForFleet(facts.get());
   if (status.ok()) status = AskForJobs(facts.get());
   if (status.ok()) {
@@ -231,10 +239,12 @@ void Watcher::Run() {
   for (std::unique_lock lock(mutex_); !ending_;) {
     const bool looked_at = Now() - looked_s_ < options_.looked_at_s;
     const auto due = [this] { return ending_ || soon_ || soon_jobs_; };
-    if (looked_at)
+    if (looked_at) {
       woken_.wait_for(lock, Seconds(next_s - Now()), due);
-    else
+    } else {
+      asks_.reset();  // who is connected and says nothing is turned away, again and again
       woken_.wait(lock, due);
+    }
     if (ending_) break;
     const bool all = std::exchange(soon_, false);
     soon_jobs_ = false;

@@ -68,6 +68,7 @@ class Watcher : public Source {
 
   void Run();
   double NextAt_s() const;
+  Status Reach();
   FactsPtr Ask(bool all);
   Status AskForList(Facts* facts);
   Status AskForFleet(Facts* facts);
@@ -77,8 +78,7 @@ class Watcher : public Source {
 
   WatcherOptions options_;
   std::function<void()> changed_;
-  coordinator::Client asks_;
-  std::optional<coordinator::Client> commands_;  // of the errands' thread
+  std::optional<coordinator::Client> asks_;  // while somebody looks on
   FleetTimes times_;
   Due list_, fleet_, looked_;  // of the thread that asks
 

@@ -1,6 +1,10 @@
 #include "coordinator/page/watcher.h"
 
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <future>
@@ -207,6 +211,40 @@ TEST_F(WatcherTest, ACommandIsAnsweredWithASentence) {
   const CommandOutcome refused = told("pause");
   EXPECT_FALSE(refused.ok);
   EXPECT_EQ(refused.text, "The key was taken off the list.");
+}
+
+// A coordinator with keys turns away, and counts, each connection on which nothing is said for a while.
+TEST_F(WatcherTest, WhileNobodyLooksOnThereIsNoConnection) {
+  const std::string path = folder_.Ipc("s").substr(6);
+  sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
+  ASSERT_LT(path.size(), sizeof address.sun_path);
+  path.copy(address.sun_path, path.size());
+  const int listener = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  ASSERT_EQ(::listen(listener, 16), 0);
+  int came = 0;
+  const auto expect_all_go = [&] {
+    const auto readable = [](int socket, int ms) {
+      pollfd waiting{.fd = socket, .events = POLLIN, .revents = 0};
+      return ::poll(&waiting, 1, ms) == 1;
+    };
+    for (; readable(listener, 700); ++came) {
+      const int connection = ::accept(listener, nullptr, nullptr);
+      char bytes[256];
+      bool open = true;
+      while (open && readable(connection, 10'000)) open = ::read(connection, bytes, sizeof bytes) > 0;
+      EXPECT_FALSE(open) << "connection " << came;
+      ::close(connection);
+      if (open) return;
+    }
+  };
+  Watch();
+  expect_all_go();
+  const int at_the_beginning = came;
+  Look();
+  expect_all_go();
+  EXPECT_GT(came, at_the_beginning);
+  ::close(listener);
 }
 
 }  // namespace
