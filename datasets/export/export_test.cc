@@ -118,6 +118,39 @@ TEST(Export, WhatComesToBeThereMeanwhileStays) {
   EXPECT_EQ(FileText(folder / "same/b"), "two");
 }
 
+// By a failure in their middle, as by a kill.
+TEST(Export, FilesOfTwoExportsNeverLieTogether) {
+  const TestFolder folder;
+  for (const char* text : {"old", "new"}) {
+    FolderWriter writer(folder / "map", true);
+    for (const char* name : {"image", "picture", "names_them", "same"})
+      writer.Write(name, std::string(name) == "same" ? "same" : text);
+    if (std::string(text) == "new") {
+      std::filesystem::remove(folder / "map/picture");
+      std::filesystem::create_directory(folder / "map/picture");  // no file takes its place
+      EXPECT_FALSE(writer.Finish().ok());
+    } else {
+      EXPECT_TRUE(writer.Finish().ok());
+    }
+  }
+  EXPECT_EQ(FileText(folder / "map/image"), "new");
+  EXPECT_EQ(FileText(folder / "map/same"), "same");
+  EXPECT_FALSE(std::filesystem::exists(folder / "map/names_them"));
+}
+
+TEST(Export, WhatOneThatWasKilledLeftGoesWithTheNext) {
+  const TestFolder folder;
+  const std::string left = folder / "x/.cairn-map.mcap.999999999-0.tmp",
+                    others = folder / "x/.cairn-a.999999999-0.tmp";
+  std::filesystem::create_directory(folder / "x");
+  for (const std::string& path : {left, others}) std::ofstream(path) << "half";
+  FolderWriter writer(folder / "x", false);
+  writer.Write("map.mcap", "whole");
+  EXPECT_TRUE(writer.Finish().ok());
+  EXPECT_FALSE(std::filesystem::exists(left));
+  EXPECT_TRUE(std::filesystem::exists(others));
+}
+
 TEST(ExportTum, SaysWhereThereAreNoPoses) {
   const TestFolder folder;
   ExpectContains(InputErrorOf([&] { (void)ExportTum(SmallLog(), folder / "x"); }),

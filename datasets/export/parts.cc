@@ -55,6 +55,20 @@ bool Holds(const std::string& path, const std::string& text) {
   return file.value().ReadAt(std::as_writable_bytes(std::span(bytes)), 0) == 0 && bytes == text;
 }
 
+// Cut off at any moment, what is left is files of the old export alone or of the new one, which is short of
+// some then: never an old map.yaml beside a new map.pgm. So what names others comes last in `changed`.
+Status TakeAway(std::span<const std::string> changed) {
+  if (changed.size() < 2) return Status::Ok();
+  for (std::size_t k = changed.size() - 1; k > 0; --k) {
+    const std::filesystem::path path = changed[k];
+    std::error_code error;
+    if (IsNoFile(path) || std::filesystem::is_directory(path, error)) continue;
+    std::filesystem::remove(path, error);
+    if (error) return SystemFailure(path, "cannot replace", error.value());
+  }
+  return SyncFolder(std::filesystem::path(changed[0]).parent_path());
+}
+
 }  // namespace
 
 std::vector<Path> ReadPaths(const Blob& blob) {
@@ -139,7 +153,13 @@ Written FolderWriter::Finish() {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error) return SystemFailure(folder_, "cannot make the folder", error.value());
-  std::vector<std::string> paths;
+  std::vector<std::string> paths, changed;
+  for (const auto& [path, text] : files_) {
+    RemoveLeftoversOf(path);
+    if (!Holds(path, text)) changed.push_back(path);
+  }
+  if (replace_)
+    if (Status taken = TakeAway(changed); !taken.ok()) return taken;
   for (const auto& [path, text] : files_) {
     const auto bytes = std::as_bytes(std::span(text));
     paths.push_back(path);

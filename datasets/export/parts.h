@@ -55,7 +55,8 @@ class FolderWriter {
   // The paths, or the first failure.
   // Throws InputError, and writes nothing, where one of the files is there already with other bytes and none
   // is to be replaced; nor is one that has come to be there meanwhile. Nor is ever a file of Cairn (it may be
-  // the input).
+  // the input). They are written in their order, and of several that change all but the first are taken away
+  // before: one that names others comes last.
   Written Finish();
 
  private:
