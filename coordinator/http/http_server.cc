@@ -38,7 +38,9 @@ MHD_Result AddValue(void* into, MHD_ValueKind kind, const char* name, const char
   std::string key = name == nullptr ? "" : name;
   if (kind == MHD_HEADER_KIND)
     for (char& c : key) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  (*static_cast<std::map<std::string, std::string>*>(into))[key] = value == nullptr ? "" : value;
+  std::string& kept = (*static_cast<std::map<std::string, std::string>*>(into))[key];
+  const bool again = kind == MHD_HEADER_KIND && key == "content-length" && !kept.empty();
+  kept = (again ? kept + ", " : "") + (value == nullptr ? "" : value);
   return MHD_YES;
 }
 
@@ -224,6 +226,12 @@ MHD_Result HttpServer::Impl::Begin(MHD_Connection* connection, Exchange& exchang
   std::uint64_t announced = 0;
   const std::string length = request.Header("content-length");
   std::from_chars(length.data(), length.data() + length.size(), announced);
+  // Where a body ends must be sure, also to a proxy before this server (RFC 9112, 6.3).
+  if (length.find_first_not_of("0123456789") != std::string::npos ||
+      (!length.empty() && !request.Header("transfer-encoding").empty()))
+    return Queue(connection, {.code = MHD_HTTP_BAD_REQUEST,
+                              .body = "how long the body is was said twice\n",
+                              .headers = {{"Connection", "close"}}});
   const bool form = uploads && request.method == "POST" &&
                     request.Header("content-type").starts_with("multipart/form-data");
   if (announced > (form ? limits.upload_bytes : limits.body_bytes))

@@ -74,6 +74,19 @@ class HttpServerTest : public ::testing::Test {
   std::unique_ptr<HttpServer> server_;
 };
 
+TEST_F(HttpServerTest, ABodyOfTwoLengthsIsRefusedAndTheConnectionClosed) {
+  Listen({.body_bytes = 100});
+  const std::string post = "POST /x HTTP/1.1\r\nHost: here\r\nContent-Length: 3\r\n";
+  const std::string chunks = "3\r\nabc\r\n0\r\n\r\n";
+  for (const std::string& request :
+       {post + "Content-Length: 5\r\n\r\nabcde", post + "Transfer-Encoding: chunked\r\n\r\n" + chunks}) {
+    const std::string answer = Ask(request);  // heard to its end: no second request is read
+    EXPECT_TRUE(answer.starts_with("HTTP/1.1 400 ")) << answer;
+    EXPECT_EQ(answer.find("[abc"), std::string::npos);
+  }
+  EXPECT_NE(Ask(post + "Connection: close\r\n\r\nabc").find("[abc]"), std::string::npos);
+}
+
 TEST_F(HttpServerTest, HandsOnPathQueryHeadersAndBody) {
   Listen({.body_bytes = 100});
   const std::string answer =
@@ -191,6 +204,12 @@ TEST_F(HttpServerTest, EndsThoughAnswersAreAwaitedAndStreamsSleep) {
   server_.reset();
   waits.HearAll();
   listens.HearAll();
+}
+
+TEST(Listen, AStarIsNoAddress) {
+  const auto listened = ListenAt("*:0", "a test");
+  ASSERT_FALSE(listened.ok());
+  EXPECT_NE(listened.status().message().find("0.0.0.0:PORT (for all)"), std::string::npos);
 }
 
 TEST(Listen, LoopbackIsWhatOnlyThisMachineReaches) {

@@ -77,7 +77,8 @@ std::string NameOfSocket(int socket) {
 
 Result<int> ListenAt(const std::string& address, const std::string& purpose) {
   const auto [host, port] = SplitAddress(address);
-  const Addresses found = IsPort(port) ? Resolve(host, port) : nullptr;
+  // To getaddrinfo "*" is the loopback.
+  const Addresses found = IsPort(port) && host != "*" ? Resolve(host, port) : nullptr;
   if (found == nullptr)
     return Status(Code::kRefused, "'" + address +
                                       "' is no address to listen on: PORT (of this machine "

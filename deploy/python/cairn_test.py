@@ -333,6 +333,7 @@ class PackageTest(unittest.TestCase):
     def test_empty_texts_are_refused_before_a_program_begins(self) -> None:
         with mock.patch("subprocess.Popen", side_effect=AssertionError("a program has begun")):
             self.refused("out: nothing is given", cairn.run, "landmark_map", "log.h5", out="")
+            self.refused("out: is not UTF-8", cairn.run, "landmark_map", "log.h5", out=os.fsdecode(b"caf\xe9"))
             self.refused("connect: nothing is given", cairn.submit, "landmark_map", "log.h5", connect="")
             self.refused("server_key: nothing is given", cairn.submit, "landmark_map", "log.h5", server_key="")
             self.refused("each: nothing is given", cairn.submit_each, "landmark_map", "")

@@ -159,6 +159,10 @@ def run(
     what: a job file, or the name of a pipeline, which reads `file`; its options and further inputs are by name.
     out: the folder of the results, else the job's name. force: forget what an earlier run left there.
     """
+    try:
+        _text(out).encode()
+    except UnicodeEncodeError:
+        raise InputError("out: is not UTF-8, as what the program says of it is") from None
     words = _job(what, file, options, inputs, seed, units_are_right, out=out, workers=workers, force=force)
     return Run(command("run", *words))
 
