@@ -14,7 +14,7 @@ if [ -z "$python" ]; then
   skip "there is no python3 with h5py and numpy (deploy/install.sh --dev)"
 fi
 export PYTHONPATH=$CAIRN_SOURCE/deploy/python
-exits 0 "$python" -m unittest cairn_test
+exits 0 "$python" -m unittest cairn_test stop_test
 says '^Ran [1-9][0-9]* tests'
 tail -n 3 stderr
 ! command -v mypy >/dev/null || exits 0 mypy --strict --ignore-missing-imports --cache-dir "$work/mypy" "$PYTHONPATH/cairn"
