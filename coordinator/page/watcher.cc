@@ -207,8 +207,9 @@ Status Watcher::AskForJobs(Facts* facts) {
 Status Watcher::Reach() {
   if (asks_) return Status::Ok();
   Result<coordinator::Client> client = coordinator::Client::Connect(options_.client);
-  if (client.ok()) asks_.emplace(std::move(client).value());
-  return client.status();
+  if (!client.ok()) return client.status();
+  asks_.emplace(std::move(client).value());
+  return Status::Ok();
 }
 
 FactsPtr Watcher::Ask(bool all) {
