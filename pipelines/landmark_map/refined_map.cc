@@ -111,8 +111,7 @@ void RefineContacts(const kinds::Log& log, const std::vector<AssociatedPath>& pa
   for (std::size_t l = 0; l < joint.landmarks.size(); ++l) {
     const Landmark &before = map->landmarks[l], &now = joint.landmarks[l];
     const double sigma_m = std::sqrt(now.covariance_m2[0] + now.covariance_m2[3]);
-    if (!(std::hypot(now.x_m - before.x_m, now.y_m - before.y_m) <=
-          std::max(settings.map.core_m, 3 * sigma_m)))
+    if (!(std::hypot(now.x_m - before.x_m, now.y_m - before.y_m) <= settings.map.core_m + 3 * sigma_m))
       return;
   }
   map->landmarks = std::move(joint.landmarks);
