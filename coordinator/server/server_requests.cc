@@ -213,8 +213,6 @@ void Server::Serve(const std::string& peer, const wire::WorkerQuery& query) {
 // All that is on disk when the writer comes to it is known here now, or was asked to be removed.
 void Server::Serve(const std::string& peer, const wire::Clean& clean) {
   if (!MayAskWriter(peer)) return;
-  log_(Severity::kInfo,
-       clean.dry_run() ? "a client asks what there is to clean" : "a client has the store cleaned");
   std::set<Hash> needed = blobs_.Known();
   needed.merge(uploads_.Writing());
   writer_.Add(CleanWork{peer, {clean.damaged(), clean.dry_run(), std::move(needed)}});

@@ -48,6 +48,15 @@ std::string DoneBy(const wire::Envelope& asked) {
   return "";
 }
 
+// The same, of what is no job's.
+std::string DoneToAll(const wire::Envelope& asked) {
+  if (asked.has_clean())
+    return asked.clean().dry_run() ? " asks what there is to clean" : " has the store cleaned";
+  if (!asked.has_workers() || asked.workers().action() != "drain") return "";
+  const std::uint64_t worker = asked.workers().worker();
+  return worker == 0 ? " has all workers drained" : " has worker " + std::to_string(worker) + " drained";
+}
+
 }  // namespace
 
 void Server::TakeDamaged(const Incoming& incoming) {
@@ -91,10 +100,11 @@ void Server::EndRevoked() {
 }
 
 void Server::NoteWhoAsks(const std::string& peer, const std::string& user, const wire::Envelope& asked) {
-  const std::string what = DoneBy(asked);  // nothing, of nearly all that comes
-  if (what.empty()) return;
-  if (const std::string who = access_control_.NameOf(user); !who.empty())
-    asked_by_[peer] = what + " by " + who;
+  const std::string what = DoneBy(asked), of_all = DoneToAll(asked);  // nothing, of nearly all that comes
+  if (what.empty() && of_all.empty()) return;
+  const std::string who = access_control_.NameOf(user);
+  if (!of_all.empty()) log_(Severity::kInfo, (who.empty() ? "a client" : who) + of_all);
+  if (!what.empty() && !who.empty()) asked_by_[peer] = what + " by " + who;
 }
 
 // Empty: the job is his who asks, or he administers, or nothing of it is changed.

@@ -308,6 +308,13 @@ TEST_F(Rights, WhoAskedForAChangeIsInTheLog) {
   EXPECT_EQ(std::ranges::count(lines, "resumed by " + desk), 0) << "that was refused";
   EXPECT_TRUE(Ask(submitter_, Query("delete")).reply().ok());
   EXPECT_EQ(std::ranges::count(fixture_.log, "a: deleted by " + desk), 1);
+  wire::Message drain, clean;
+  drain.envelope.mutable_workers()->set_action("drain");
+  clean.envelope.mutable_clean();
+  Ask(submitter_, drain);
+  Ask(viewer_, clean);
+  EXPECT_EQ(std::ranges::count(fixture_.log, desk + " has all workers drained"), 1);
+  EXPECT_EQ(std::ranges::count(fixture_.log, other + " has the store cleaned"), 1);
 }
 
 }  // namespace
