@@ -11,6 +11,7 @@
 
 #include "datasets/bag/landmark_readers.h"
 #include "datasets/bag/tracks.h"
+#include "datasets/import/repeated_rows.h"
 #include "schema/error.h"
 #include "schema/text.h"
 
@@ -344,7 +345,9 @@ class BagLog {
     rows.scans = std::make_shared<ScanRows>(in_.folder, beams, rows.max_range_m);
     std::vector<double> round(beams);
     std::set<std::size_t> heard;
+    RepeatedRows repeated("reading of " + rows.sensor, &report_);
     for (const Reading& reading : readings) {
+      if (repeated.Is({}, reading.time_s, {static_cast<double>(reading.beam), reading.range_m})) continue;
       round[reading.beam] = reading.range_m;
       if (!heard.insert(reading.beam).second)
         ++report_.dropped["readings of " + rows.sensor + ", of one that spoke again before all had spoken"];

@@ -54,11 +54,12 @@ void CheckLimits(const std::string& path, std::uint64_t file_bytes, std::uint64_
 void SetTextLimits(const TextLimits& limits) { Limits() = limits; }
 
 std::string FindFile(const std::string& folder, const std::string& name) {
-  for (const char* ending : {"", ".gz"}) {
-    const std::filesystem::path path = std::filesystem::path(folder) / (name + ending);
-    if (std::filesystem::is_regular_file(path)) return path.string();
-  }
-  return {};
+  const std::string plain = (std::filesystem::path(folder) / name).string(), packed = plain + ".gz";
+  const bool is_plain = std::filesystem::is_regular_file(plain),
+             is_packed = std::filesystem::is_regular_file(packed);
+  if (is_plain && is_packed && ReadText(plain) != ReadText(packed))
+    throw InputError(plain + ": " + name + ".gz beside it holds another text: leave the one that counts");
+  return is_plain ? plain : is_packed ? packed : "";
 }
 
 std::string NeedFile(const std::string& folder, const std::string& name) {

@@ -26,7 +26,8 @@ void SetTextLimits(const TextLimits& limits);
 // text over a limit, which is seen while it is unpacked.
 std::string ReadText(const std::string& path);
 
-// The path of FOLDER/NAME, or of FOLDER/NAME.gz; empty where neither is a file.
+// The path of FOLDER/NAME, or of FOLDER/NAME.gz; empty where neither is a file. Throws InputError where both
+// are, and hold different texts.
 std::string FindFile(const std::string& folder, const std::string& name);
 
 // The same; throws InputError that names folder and file where there is none.

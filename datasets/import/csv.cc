@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <set>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -14,6 +12,7 @@
 #include "datasets/import/csv_reader.h"
 #include "datasets/import/name_index.h"
 #include "datasets/import/pose_controls.h"
+#include "datasets/import/repeated_rows.h"
 #include "datasets/import/row_times.h"
 #include "datasets/import/skipped_rows.h"
 #include "schema/error.h"
@@ -137,7 +136,12 @@ class CsvImport {
     has_robots_ = reader.Has(kRobot);
     skipped.RequireHalf(options_.odometry,
                         reader.header() == 2 ? ReadOdometryPoses(&reader) : ReadOdometryControls(&reader));
-    if (reader.header() == 0) WarnOfLostMotion();
+    if (reader.header() == 0) {
+      WarnOfLostMotion();
+      for (RobotRows& robot : rows_.robots)
+        LeaveOutRepeatedSteps("robot '" + robot.name + "'", options_.repeated_steps, &robot.odometry,
+                              &report_);
+    }
     for (const auto& [robot, digits] : digits_) {
       const std::string doubt = digits.Doubt();
       if (!doubt.empty()) throw InputError(options_.odometry + ": robot '" + robot + "': " + doubt);
@@ -165,6 +169,7 @@ class CsvImport {
   // The number of good rows.
   std::size_t ReadOdometryControls(CsvReader* reader) {
     std::size_t good = 0;
+    RepeatedRows repeated(kRowOfOdometry, &report_);
     std::map<std::string, VelocityIntegrator> integrators;
     std::map<std::string, double> last_times;
     while (reader->Next()) {
@@ -180,7 +185,7 @@ class CsvImport {
       odometry.from.file = options_.odometry;
       if (reader->header() == 0)
         odometry.Add(*time, *first, *second);
-      else
+      else if (!repeated.Is(robot->name, *time, {*first, *second}))
         integrators[robot->name].Add(*time, *first, *second, &odometry);
       odometry.from.line.resize(odometry.time_s.size(), reader->line());
       ++good;
@@ -190,6 +195,7 @@ class CsvImport {
 
   std::size_t ReadOdometryPoses(CsvReader* reader) {
     std::size_t good = 0;
+    RepeatedRows repeated(kRowOfOdometry, &report_);
     while (reader->Next()) {
       const auto time = reader->Number(0), x = time ? reader->Number(2) : time, y = x ? reader->Number(3) : x,
                  heading = y ? reader->Number(4) : y;
@@ -197,8 +203,9 @@ class CsvImport {
       if (robot == nullptr || !InOrder(*time, robot->odometry_poses.time_s, reader)) continue;
       robot->odometry_poses.from.file = options_.odometry;
       digits_[robot->name].Add(*time);
-      robot->odometry_poses.Add(*time, *x, *y, *heading, reader->line());
       ++good;
+      if (repeated.Is(robot->name, *time, {*x, *y, *heading})) continue;
+      robot->odometry_poses.Add(*time, *x, *y, *heading, reader->line());
     }
     for (RobotRows& robot : rows_.robots) robot.odometry = ControlsOf(robot.odometry_poses);
     return good;
@@ -340,24 +347,11 @@ class CsvImport {
     return time ? *time - SensorOf(robot).late_s : time;
   }
 
-  // Whether it is in every column a row that the robot has already. No sensor measures the same twice, so
-  // some logger wrote it twice, and it must not count twice; a landmark without a name would become two.
-  // Where true associations are given they are of the rows, one by one.
-  bool IsRepeated(const RobotRows& robot, double time, std::int32_t landmark, double range, double bearing) {
-    if (!options_.truth_associations.empty()) return false;
-    auto& [last, rows] = at_a_time_[&robot];
-    if (rows.empty() || time != last) rows.clear();
-    last = time;
-    const bool contact = std::isnan(range);
-    if (rows.emplace(landmark, contact ? 0 : range, contact ? 0 : bearing).second) return false;
-    ++report_.dropped["row of an observation that is the same as an earlier one"];
-    return true;
-  }
-
   void ReadObservations() {
     CsvReader reader =
         Open(options_.observations, {{"time_s", "robot?", "landmark", "range_m", "bearing_rad"}});
     const SkippedRows skipped(bad_);
+    RepeatedRows repeated("row of an observation", &report_);
     std::size_t good = 0;
     while (reader.Next()) {
       RobotRows* robot = Robot(&reader);
@@ -369,7 +363,10 @@ class CsvImport {
       if (!WhileDriving(*time, robot->odometry.time_s, &reader)) continue;
       const std::int32_t landmark = reader.Text(2).empty() ? -1 : landmarks_.FindOrAdd(reader.Text(2));
       ++good;
-      if (IsRepeated(*robot, *time, landmark, range, bearing)) continue;
+      // A landmark without a name would become two. True associations are of the rows, one by one.
+      if (options_.truth_associations.empty() &&
+          repeated.Is(robot->name, *time, {static_cast<double>(landmark), range, bearing}))
+        continue;
       robot->observations.Add(*time, landmark, range, bearing);
       robot->observations.from.file = options_.observations;
       robot->observations.from.line.push_back(reader.line());
@@ -383,6 +380,7 @@ class CsvImport {
   void ReadTruthPoses() {
     CsvReader reader = Open(options_.truth_poses, {{"time_s", "robot?", "x_m", "y_m", "heading_rad"}});
     const SkippedRows skipped(bad_);
+    RepeatedRows repeated("row of a true pose", &report_);
     std::size_t good = 0, outside = 0;
     std::string example;
     while (reader.Next()) {
@@ -390,6 +388,7 @@ class CsvImport {
       const auto heading = y ? reader.Number(4) : y;
       RobotRows* robot = heading ? Robot(&reader) : nullptr;
       if (robot == nullptr || !InOrder(*time, robot->truth.time_s, &reader)) continue;
+      if (repeated.Is(robot->name, *time, {*x, *y, *heading})) continue;
       robot->truth.from.file = options_.truth_poses;
       robot->truth.Add(*time, *x, *y, *heading, reader.line());
       ++good;
@@ -464,10 +463,7 @@ class CsvImport {
   ImportReport report_;
   LogRows rows_;
   NameIndex robots_, landmarks_, truth_;
-  std::vector<LandmarkSensor> sensors_;  // of each robot
-  // Of each robot, of the last time of an observation: which were made then.
-  std::map<const RobotRows*, std::pair<double, std::set<std::tuple<std::int32_t, double, double>>>>
-      at_a_time_;
+  std::vector<LandmarkSensor> sensors_;       // of each robot
   std::map<std::string, TimeDigits> digits_;  // of each robot's odometry
   bool has_robots_ = true;                    // odometry names them
   bool all_measured_ = true;                  // the true positions of all landmarks that have a name

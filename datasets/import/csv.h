@@ -21,6 +21,7 @@
 #include <string>
 
 #include "datasets/import/log_rows.h"
+#include "datasets/import/repeated_rows.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {
@@ -32,6 +33,7 @@ struct CsvImportOptions {
   std::string truth_landmarks;     // without associations, truth is by the observations' own names
   std::string truth_associations;  // needs truth_landmarks
   bool skip_bad = false;  // skip bad lines and count them by reason, instead of stopping at the first
+  RepeatedSteps repeated_steps = RepeatedSteps::kDetect;
   NoiseParameters noise;  // max_range_m and field_of_view_rad also refuse what lies beyond
   // Of each robot's sensor where it sits (but for contact detections), and by how much its times are too
   // late; under the empty name those of the robots that are not named.
@@ -45,8 +47,9 @@ struct CsvImportOptions {
 // association; of observations where that is so of all), before the first control or after the last (a robot
 // that stood still there needs a row that says so), negative range, range 0, beyond the sensor's maximum,
 // outside its field of view, range or bearing alone, a landmark or a robot whose name means unknown
-// (name_index.h), no such observation (associations). Rows of observations that are the same as an earlier
-// one in every column are left out and counted (unless there are associations). Throws InputError "FILE:LINE:
+// (name_index.h), no such observation (associations). Rows that are the same as an earlier one in every
+// column are left out and counted: of observations (unless there are associations), true poses and odometry,
+// of steps where they are copies (repeated_rows.h). Throws InputError "FILE:LINE:
 // REASON: DETAIL"; of a file of odometry, observations or true poses of which more than half of the rows were
 // skipped, too.
 ImportReport ImportCsv(const CsvImportOptions& options, Blob* log);

@@ -50,6 +50,10 @@ void ScanRows::Add(std::span<const double> range_m, double least_m, std::span<co
   range_m_.Add<double>(row_);
   unanswered_ += static_cast<std::int64_t>(beams_ - answered);
   ++rows_;
+  Hasher hash;
+  hash.Add(std::as_bytes(range_m));
+  hash.Add(std::as_bytes(intensity));
+  hash_.push_back(hash.Finish());
   if (intensity.empty() && intensity_rows_ == 0) return;
   const std::vector<float> none(intensity.empty() || intensity_rows_ + 1 < rows_ ? beams_ : 0, kNone);
   while (intensity_rows_ + 1 < rows_) AddIntensity(none);

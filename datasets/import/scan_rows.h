@@ -10,6 +10,7 @@
 
 #include "schema/array.h"
 #include "schema/error.h"
+#include "schema/hash.h"
 #include "schema/store/spool.h"
 #include "schema/store/spooled_rows.h"
 
@@ -19,9 +20,11 @@ class ScanRows {
  public:
   ScanRows() = default;
   ScanRows(const std::filesystem::path& folder, std::size_t beams, double max_range_m)
-      : beams_(beams), max_range_m_(max_range_m), range_m_(folder), intensity_(folder) {}
+      : beams_(beams), max_range_m_(max_range_m), range_m_(folder), intensity_(folder), hash_(folder) {}
 
   std::size_t size() const { return rows_; }
+  // Of what was added: by it a scan that comes again is known.
+  const Hash& HashOf(std::size_t row) const { return hash_[row]; }
   // A range that is below `least_m`, not above 0, or at the sensor's reach or beyond is no answer: NaN.
   // intensity: of each beam, or none.
   void Add(std::span<const double> range_m, double least_m, std::span<const float> intensity);
@@ -40,6 +43,7 @@ class ScanRows {
   std::size_t beams_ = 0, rows_ = 0, intensity_rows_ = 0;
   double max_range_m_ = 0;
   Spool range_m_, intensity_;
+  SpooledRows<Hash> hash_;  // of each row
   std::int64_t unanswered_ = 0;
   std::optional<float> first_intensity_;
   bool intensities_differ_ = false;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "datasets/import/recorded/dat_reader.h"
+#include "datasets/import/repeated_rows.h"
 #include "schema/error.h"
 
 namespace cairn::datasets {
@@ -157,8 +158,10 @@ class MrclamImport {
     const std::string path = Need(Robot(observer, "Measurement"));
     DatReader reader(path, 4, &bad_);
     robot->observations.from.file = robot->robot_observations.from.file = path;
+    RepeatedRows repeated("measurement", &report_);
     while (reader.Next()) {
       if (!reader.InOrder() || !IsGood(reader[2], reader[3], &reader)) continue;
+      if (repeated.Is(robot->name, reader[0], {reader[1], reader[2], reader[3]})) continue;
       const auto subject = subjects_.find(reader[1]);
       if (subject == subjects_.end()) {
         ++report_.dropped["unknown barcode"];
@@ -206,8 +209,10 @@ class MrclamImport {
     if (path.empty()) return;
     DatReader reader(path, 4, &bad_);
     robot->truth.from.file = path;
+    RepeatedRows repeated("true pose", &report_);
     while (reader.Next()) {
       if (!reader.InOrder()) continue;
+      if (repeated.Is(robot->name, reader[0], {reader[1], reader[2], reader[3]})) continue;
       robot->truth.Add(reader[0], reader[1], reader[2], reader[3], reader.line());
     }
   }

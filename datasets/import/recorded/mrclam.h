@@ -30,15 +30,16 @@ struct MrclamImportOptions {
 NoiseParameters MrclamNoise();
 
 // Writes a `log` (schema/FORMAT.md). Robots and landmarks are called by their subject numbers. Each velocity
-// holds until the next one (VelocityIntegrator); repeated time stamps add nothing. Measurements of other
-// robots become `robot/N/robot_observations`, or, with robots_as_clutter, observations whose `landmark` is
-// -1, in the truth too: what a detector that cannot tell a robot from a landmark would give. Dropped and
-// counted: measurements with a barcode that is in no table (a decoding error), and those before the first
-// odometry or after the last, where there is no pose to see them from (the streams start and end seconds
-// apart). Throws InputError that names a file which is missing, or "FILE:LINE: REASON: DETAIL"; bad are: not
-// a number, not finite, wrong number of columns, time runs backwards (as once in each of four robots of
-// dataset 9), negative range, beyond the sensor's maximum, outside its field of view, unknown landmark (a
-// subject that has no true position).
+// holds until the next one (VelocityIntegrator); repeated time stamps add nothing. Measurements and true
+// poses that are the same as an earlier one are left out and counted. Measurements of other robots become
+// `robot/N/robot_observations`, or, with robots_as_clutter, observations whose `landmark` is -1, in the truth
+// too: what a detector that cannot tell a robot from a landmark would give. Dropped and counted: measurements
+// with a barcode that is in no table (a decoding error), and those before the first odometry or after the
+// last, where there is no pose to see them from (the streams start and end seconds apart). Throws InputError
+// that names a file which is missing, or "FILE:LINE: REASON: DETAIL"; bad are: not a number, not finite,
+// wrong number of columns, time runs backwards (as once in each of four robots of dataset 9), negative range,
+// beyond the sensor's maximum, outside its field of view, unknown landmark (a subject that has no true
+// position).
 ImportReport ImportMrclam(const MrclamImportOptions& options, Blob* log);
 
 }  // namespace cairn::datasets

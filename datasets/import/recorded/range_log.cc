@@ -6,11 +6,15 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <set>
+#include <span>
 #include <utility>
 
 #include "datasets/import/name_index.h"
 #include "datasets/import/pose_controls.h"
+#include "datasets/import/repeated_rows.h"
 #include "schema/error.h"
+#include "schema/hash.h"
 
 namespace cairn::datasets {
 namespace {
@@ -28,9 +32,52 @@ bool HasPose(const RangeEvent& event) { return event.odometry || event.corrected
 bool IsPosedScan(const RangeEvent& event) { return event.sensor && HasPose(event); }
 bool IsPoseAlone(const RangeEvent& event) { return !event.sensor && !event.mark && !event.landmark; }
 
+// Of all that it says.
+Hash HashOf(const RangeLog& log, const RangeEvent& event) {
+  Hasher hash;
+  const auto add = [&hash](auto... values) { (hash.Add(std::as_bytes(std::span(&values, 1))), ...); };
+  for (const auto& pose : {event.odometry, event.corrected, event.truth}) {
+    add(pose.has_value());
+    if (pose) add(pose->x_m, pose->y_m, pose->heading_rad);
+  }
+  add(event.sensor.value_or(-1));
+  if (event.row) hash.Add(log.sensors[*event.sensor].scans->HashOf(*event.row).Binary());
+  if (event.scan != nullptr) {
+    hash.Add(std::as_bytes(std::span(event.scan->range_m)));
+    hash.Add(std::as_bytes(std::span(event.scan->intensity)));
+  }
+  if (event.mark != nullptr) hash.Add(std::string_view(*event.mark));
+  if (event.landmark != nullptr) {
+    hash.Add(std::string_view(event.landmark->name));
+    add(event.landmark->range_m, event.landmark->bearing_rad);
+  }
+  return hash.Finish();
+}
+
+// The numbers of those that say the same as an earlier one of their stamp, wherever it stands.
+std::vector<std::size_t> RepeatedEvents(const RangeLog& log) {
+  struct Stamp {
+    double stamp_s;
+    std::size_t event;
+  };
+  SpooledRows<Stamp> stamps(log.events.folder());
+  for (std::size_t i = 0; i < log.events.size(); ++i) stamps.push_back({log.events[i].stamp_s, i});
+  SortRows(&stamps, [](const Stamp& stamp) { return stamp.stamp_s; });
+  std::vector<std::size_t> repeated;
+  for (std::size_t first = 0, end = 0; first < stamps.size(); first = end) {
+    const double stamp_s = stamps[first].stamp_s;
+    while (end < stamps.size() && stamps[end].stamp_s == stamp_s) ++end;
+    std::set<Hash> known;
+    for (std::size_t i = first; end - first > 1 && i < end; ++i)
+      if (!known.insert(HashOf(log, log.events[stamps[i].event])).second) repeated.push_back(stamps[i].event);
+  }
+  std::ranges::sort(repeated);
+  return repeated;
+}
+
 // More than half of a sensor's scans have a stamp of their own (without scans: of the poses of odometry, if
 // there are any, else of all events).
-bool StampsTellApart(const Events& events) {
+bool StampsTellApart(const Events& events, const std::vector<std::size_t>& gone) {
   const bool scans = std::ranges::any_of(events, [](const RangeEvent& e) { return e.sensor.has_value(); });
   const bool odometry =
       std::ranges::any_of(events, [](const RangeEvent& e) { return e.odometry.has_value(); });
@@ -40,9 +87,14 @@ bool StampsTellApart(const Events& events) {
     auto operator<=>(const Stamp&) const = default;
   };
   SpooledRows<Stamp> stamps(events.folder());
-  for (const RangeEvent& event : events)
-    if (scans ? event.sensor.has_value() : !odometry || event.odometry)
+  auto next_gone = gone.begin();
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const RangeEvent& event = events[i];
+    if (next_gone != gone.end() && *next_gone == i)
+      ++next_gone;
+    else if (scans ? event.sensor.has_value() : !odometry || event.odometry)
       stamps.push_back({event.sensor.value_or(0), event.stamp_s});
+  }
   SortRows(&stamps, std::identity());
   std::size_t different = 0;
   for (std::size_t i = 0; i < stamps.size(); ++i) different += i == 0 || stamps[i] != stamps[i - 1] ? 1 : 0;
@@ -168,11 +220,15 @@ void MarkUnanswered(ImportReport* report, RangeRows* sensor) {
 
 // Puts the events in order, at times that tell them apart.
 void Order(RangeLog* log, BadLines* bad, ImportReport* report) {
-  if (log->numbered || !StampsTellApart(log->events)) {
+  const std::vector<std::size_t> repeated = log->numbered ? std::vector<std::size_t>() : RepeatedEvents(*log);
+  if (log->numbered || !StampsTellApart(log->events, repeated)) {
     if (!log->numbered)
       report->warnings.emplace_back("the time stamps do not tell the scans apart: time is the line's number");
     Number(&log->events);
   } else {
+    RemoveRows(repeated, &log->events);
+    if (!repeated.empty())
+      report->dropped[SameAsEarlier("line or message")] += static_cast<std::int64_t>(repeated.size());
     if (!DropLate(log->path, bad, report, &log->events)) SortByTime(&log->events);
   }
   TellTimesApart(report, &log->events);

@@ -82,14 +82,15 @@ RangeRows LaserFan(const std::string& sensor, std::size_t beams, double step_deg
 // The range, or NaN where it is no answer: `least_m` and less, or the sensor's reach and more.
 double Answer(double range_m, double least_m, double reach_m);
 
-// A log (schema/FORMAT.md) of one robot, or of several that see the same landmarks. Where the stamps do not
-// tell the scans apart (or `numbered`), time is the number of the event. Else events are put in the order of
-// their stamps; one that is more than a second behind the latest before it, or that has no stamp above 0, is
-// out of place: if it is odometry alone it is left out and counted, else the line is bad ("time runs
-// backwards"). At a scan's time its own pose counts, and a scan that has another pose than the one before at
-// the same time counts a microsecond later, so that the pose of each is found at its time. Scans and marks
-// without a pose of their own that lie outside the odometry's time are left out and counted. Without odometry
-// the corrected poses give the controls.
+// A log (schema/FORMAT.md) of one robot, or of several that see the same landmarks. What says the same as
+// an earlier line of its stamp is left out and counted. Where the stamps do not tell the scans apart (or
+// `numbered`), time is the number of the event. Else events are put in the order of their stamps; one that is
+// more than a second behind the latest before it, or that has no stamp above 0, is out of place: if it is
+// odometry alone it is left out and counted, else the line is bad ("time runs backwards"). At a scan's time
+// its own pose counts, and a scan that has another pose than the one before at the same time counts a
+// microsecond later, so that the pose of each is found at its time. Scans and marks without a pose of their
+// own that lie outside the odometry's time are left out and counted. Without odometry the corrected poses
+// give the controls.
 ImportReport MakeRangeLog(RangeLog ranges, const NoiseParameters& noise, BadLines* bad, ImportReport report,
                           Blob* log);
 ImportReport MakeRangeLog(std::vector<RangeLog> robots, const NoiseParameters& noise, BadLines* bad,

@@ -20,6 +20,7 @@ namespace {
 struct CsvOptions : ImportOutput {
   datasets::CsvImportOptions import;
   std::vector<std::string> mounts, late;
+  bool drop_repeats = false, keep_repeats = false;
 };
 
 std::pair<std::string, double> ParseLateness(const std::string& text) {
@@ -46,6 +47,9 @@ int ImportCsv(const CsvOptions& options, const Invocation&) {
     AddOnce("--sensor-mount", ParseMountOfRobot("--sensor-mount", mount), &import.mounts);
   for (const std::string& late : options.late)
     AddOnce("--sensor-late-s", ParseLateness(late), &import.late_s);
+  using datasets::RepeatedSteps;
+  if (options.drop_repeats) import.repeated_steps = RepeatedSteps::kCopies;
+  if (options.keep_repeats) import.repeated_steps = RepeatedSteps::kMotion;
   Blob log;
   const datasets::ImportReport report = datasets::ImportCsv(import, &log);
   return StoreImport(options, log, report);
@@ -160,6 +164,14 @@ void AddCsv(Command import, Invocation& call) {
            "[ROBOT=]SECONDS: the times of the observations are so much too late by the odometry's clock "
            "(early: below 0); again for another robot")
       .OneEachTime();
+  const Argument drop = command.AddFlag(
+      "--drop-repeats", options->drop_repeats,
+      "Leave out rows turn_rad,forward_m that are the same as another of their time, instead of finding out "
+      "whether they are copies");
+  command
+      .AddFlag("--keep-repeats", options->keep_repeats,
+               "Such rows are motion: the robot did so again within one time stamp")
+      .Excludes(drop);
   AddNoiseOptions(command, files.noise);
   AddOutput(command, *options);
 }
