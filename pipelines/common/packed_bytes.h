@@ -12,8 +12,4 @@ std::vector<std::uint8_t> PackBytes(std::span<const std::uint8_t> bytes);
 // As many as `size`, else it throws InputError: what is packed comes from another process.
 std::vector<std::uint8_t> UnpackBytes(std::span<const std::uint8_t> packed, std::size_t size);
 
-// Small ones above all, of either sign: their lowest bytes together, then the next.
-std::vector<std::uint8_t> PackNumbers(std::span<const std::int32_t> numbers);
-std::vector<std::int32_t> UnpackNumbers(std::span<const std::uint8_t> packed, std::size_t size);
-
 }  // namespace cairn

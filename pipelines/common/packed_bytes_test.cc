@@ -2,10 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdint>
-#include <span>
-#include <vector>
-
 #include "schema/error.h"
 
 namespace cairn {
@@ -35,20 +31,6 @@ TEST(PackedBytes, OfAnotherSizeOrDamagedAreRefused) {
   EXPECT_THROW(UnpackBytes(packed, 0), InputError);
   packed.pop_back();
   EXPECT_THROW(UnpackBytes(packed, 1'000), InputError);
-}
-
-TEST(PackedBytes, NumbersOfAllSizesComeBackAndLikeOnesAreSmall) {
-  const std::vector<std::int32_t> few = {0, 1, -1, 255, 256, -256, 1 << 24, INT32_MAX, INT32_MIN};
-  EXPECT_EQ(UnpackNumbers(PackNumbers(few), few.size()), few);
-  EXPECT_EQ(UnpackNumbers(PackNumbers({}), 0), std::vector<std::int32_t>());
-  std::vector<std::int32_t> steps;  // none follows from the ones before
-  for (std::uint32_t k = 0, random = 1; k < 10'000; ++k)
-    steps.push_back(static_cast<std::int32_t>((random = random * 1664525 + 1013904223) >> 24) - 20);
-  const Bytes packed = PackNumbers(steps);
-  const std::span as_they_are(reinterpret_cast<const std::uint8_t*>(steps.data()), 4 * steps.size());
-  EXPECT_LT(packed.size(), PackBytes(as_they_are).size() / 2);
-  EXPECT_EQ(UnpackNumbers(packed, steps.size()), steps);
-  EXPECT_THROW(UnpackNumbers(packed, 9'999), InputError);
 }
 
 }  // namespace

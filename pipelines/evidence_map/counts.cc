@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include "pipelines/common/handed_over.h"
 #include "pipelines/common/packed_bytes.h"
@@ -24,20 +23,18 @@ double ReachOf(const RangeScans& scans, std::size_t scan, const std::vector<doub
   return reach_m;
 }
 
-// Counts of few cells, by how many cells of the window lie between each and the one before.
+// Counts of few cells, by their numbers in the window.
 constexpr std::size_t kSparseBytes = 2 * sizeof(std::int32_t);
 struct Sparse {
-  std::vector<std::int32_t> step, count;
-  std::size_t last = 0;
+  std::vector<std::int32_t> cell, count;
 
   void Add(std::size_t k, std::int32_t n) {
-    step.push_back(static_cast<std::int32_t>(k - std::exchange(last, k)));
+    cell.push_back(static_cast<std::int32_t>(k));
     count.push_back(n);
   }
   void PutInto(const std::string& name, Blob* blob) const {
-    blob->PutScalar(name + "_cells", static_cast<std::int64_t>(step.size()));
-    blob->PutVector(name + "_step", PackNumbers(step));
-    blob->PutVector(name, PackNumbers(count));
+    blob->PutVector(name + "_cell", cell);
+    blob->PutVector(name, count);
   }
 };
 
@@ -65,16 +62,11 @@ struct Place {
 
 void AddSparse(const Place& place, const Blob& partial, const std::string& name, std::int64_t unit,
                std::vector<std::int64_t>* totals) {
-  const std::int64_t cells = partial.Scalar<std::int64_t>(name + "_cells");
-  RequireWithin(name + "_cells", cells, 0, place.box.cells());
-  const auto size = static_cast<std::size_t>(cells);
-  const std::vector<std::int32_t> step = UnpackNumbers(partial.Get<std::uint8_t>(name + "_step"), size),
-                                  count = UnpackNumbers(partial.Get<std::uint8_t>(name), size);
-  std::int64_t cell = 0;
-  for (std::size_t k = 0; k < size; ++k) {
-    cell += step[k];
-    RequireWithin("a window's cell", cell, 0, place.box.cells() - 1);
-    const std::int64_t j = cell / place.box.columns, i = cell % place.box.columns;
+  const auto cell = partial.Get<std::int32_t>(name + "_cell"), count = partial.Get<std::int32_t>(name);
+  RequireSize(name, count.size(), cell.size());
+  RequireAllWithin(name + "_cell", cell, std::int64_t{0}, place.box.cells() - 1);
+  for (std::size_t k = 0; k < cell.size(); ++k) {
+    const std::int64_t j = cell[k] / place.box.columns, i = cell[k] % place.box.columns;
     if (!place.HasRow(j) || i < place.first_inside() || i >= place.end_inside()) continue;
     (*totals)[static_cast<std::size_t>(place.CellOf(j, i))] += unit * count[k];
   }

@@ -23,9 +23,9 @@ struct Counts {
 // None yet, of the window that readings of these scans reach, with a cell around it.
 Counts CountsFor(const RangeScans& scans, const GridBox& grid, double beyond_m);
 
-// As a task's partial, which is small, for each brings home a map, packed: of how often a cell was free the
-// lowest 16 bits in two arrays of bytes, what is beyond in whole 65536ths by the cell's place in the window,
-// and how often it was occupied by its place too; few cells ever are, or are free so often. Where few are
+// As a task's partial, which is small, for each brings home a map: of how often a cell was free the lowest 16
+// bits in two arrays of bytes (packed), what is beyond in whole 65536ths by the cell's number in the window,
+// and how often it was occupied by its number too; few cells ever are, or are free so often. Where few are
 // free 256 times there is but one array of bytes, and what is beyond comes in whole 256ths.
 Blob ToBlob(const Counts& counts);
 
