@@ -33,12 +33,12 @@ struct CsvImportOptions {
   std::string truth_landmarks;     // without associations, truth is by the observations' own names
   std::string truth_associations;  // needs truth_landmarks
   bool skip_bad = false;  // skip bad lines and count them by reason, instead of stopping at the first
-  RepeatedSteps repeated_steps = RepeatedSteps::kDetect;
   NoiseParameters noise;  // max_range_m and field_of_view_rad also refuse what lies beyond
   // Of each robot's sensor where it sits (but for contact detections), and by how much its times are too
   // late; under the empty name those of the robots that are not named.
   std::map<std::string, Pose> mounts;
   std::map<std::string, double> late_s;
+  RepeatedSteps repeated_steps = RepeatedSteps::kDetect;
 };
 
 // Writes a `log` (schema/FORMAT.md). Robots are in the order in which odometry names them, landmarks by name
