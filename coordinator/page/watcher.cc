@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "schema/error.h"
+#include "schema/wire/endpoint.h"
 
 namespace cairn::page {
 namespace {
@@ -21,10 +22,11 @@ double Now() {
 
 std::chrono::duration<double> Seconds(double seconds) { return std::chrono::duration<double>(seconds); }
 
-coordinator::Client ConnectOrThrow(const coordinator::ClientOptions& options) {
-  Result<coordinator::Client> client = coordinator::Client::Connect(options);
-  if (!client.ok()) throw InputError(client.status().message());
-  return std::move(client).value();
+// Without a connection: one that is let go at once is counted, too.
+WatcherOptions CheckedOrThrow(WatcherOptions options) {
+  const Status status = wire::CheckEndpoint(options.client.endpoint, options.client.security.has_value());
+  if (!status.ok()) throw InputError(status.message());
+  return options;
 }
 
 std::string UtcNow() {
@@ -56,9 +58,8 @@ std::string TroubleText(const Status& status) {
 }
 
 Watcher::Watcher(WatcherOptions options, std::function<void()> changed)
-    : options_(std::move(options)),
+    : options_(CheckedOrThrow(std::move(options))),
       changed_(std::move(changed)),
-      asks_(ConnectOrThrow(options_.client)),
       results_(options_.results),
       thread_([this] { Run(); }) {}
 
