@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "datasets/import/row_times.h"
 #include "schema/error.h"
@@ -19,18 +20,32 @@ struct Pairs {
 
 double Choose2(double n) { return n * (n - 1) / 2; }
 
+// A step that only turns tells nothing: Cairn's own tables have half of each turn before the way and half
+// after it, so that of a turn on the spot both are the same. It is there twice where ways are about it.
 struct StepsOfTimes {
   Pairs within, across;               // rows of one time; of one and the next
   std::size_t times = 0, with = 0;    // all that have motion, those with repeated steps
   std::size_t most = 0;               // so often a step is there at one time
   std::vector<std::size_t> repeated;  // rows
-  std::size_t first = 0;              // the row that the first of them is the same as
+  std::size_t first = 0, second = 0;  // the first two rows that are the same
 
   explicit StepsOfTimes(const Odometry& odometry) {
     std::map<Step, std::size_t> before, now;
+    std::map<double, std::vector<std::size_t>> turns;  // of one time
+    std::vector<std::size_t> turns_at_first;           // before any way
     double count = 0, count_before = 0;
+    bool is_doubled = false;  // the last time with a way
+    const auto take_turns = [&] {
+      for (const auto& [turn_rad, rows] : turns)
+        for (std::size_t k = rows.size() - rows.size() / 2; k < rows.size(); ++k)
+          if (times == 0)
+            turns_at_first.push_back(rows[k]);
+          else if (is_doubled)
+            repeated.push_back(rows[k]);
+      turns.clear();
+    };
     const auto end_time = [&] {
-      if (count == 0) return;
+      if (count == 0) return take_turns();
       ++times;
       within.all += Choose2(count);
       across.all += count * count_before;
@@ -43,6 +58,9 @@ struct StepsOfTimes {
         repeats = repeats || n > 1;
       }
       with += repeats ? 1 : 0;
+      is_doubled = repeats;
+      take_turns();
+      if (times == 1 && is_doubled) std::ranges::copy(turns_at_first, std::back_inserter(repeated));
       before = std::exchange(now, {});
       count_before = std::exchange(count, 0);
     };
@@ -50,12 +68,17 @@ struct StepsOfTimes {
       if (i > 0 && odometry.time_s[i] != odometry.time_s[i - 1]) end_time();
       const Step step(odometry.turn_rad[i], odometry.forward_m[i]);
       if (step == Step(0, 0)) continue;
+      if (step.second == 0) {
+        turns[step.first].push_back(i);
+        continue;
+      }
       ++count;
       if (++now[step] == 1) continue;
-      if (repeated.empty()) first = FirstOf(odometry, i);
+      if (first == second) first = FirstOf(odometry, i), second = i;
       repeated.push_back(i);
     }
     end_time();
+    std::ranges::sort(repeated);
   }
 
   static std::size_t FirstOf(const Odometry& odometry, std::size_t row) {
@@ -100,10 +123,9 @@ void LeaveOutRepeatedSteps(const std::string& who, RepeatedSteps are, Odometry* 
   if (steps.repeated.empty()) return;
   if (are == RepeatedSteps::kDetect) are = steps.What(AreWholeSeconds(odometry->time_s));
   if (are == RepeatedSteps::kMotion) return;
-  const std::size_t example = steps.repeated.front();
   if (are == RepeatedSteps::kDetect)
     throw InputError(
-        odometry->from.Of(example) + who + ": the row is the same as that of line " +
+        odometry->from.Of(steps.second) + who + ": the row is the same as that of line " +
         std::to_string(odometry->from.line[steps.first]) + ", of the same time, as are " +
         std::to_string(steps.repeated.size()) + " of its " + std::to_string(odometry->time_s.size()) +
         " rows. If they are there twice (files that overlap, or one given twice), --drop-repeats leaves them "

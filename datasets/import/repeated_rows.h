@@ -50,7 +50,8 @@ enum class RepeatedSteps { kDetect, kCopies, kMotion };
 // same as those of one time and the next: then they are motion. They are copies where they are so four times
 // as often; or where all rows of any one time are the same, and those of different times are not. Throws
 // InputError "FILE:LINE: `who`: …" where neither is so; where a step is there more than three times, or at
-// every time, all of them whole seconds.
+// every time, all of them whole seconds. Of steps that only turn half are copies where
+// steps with a way are, at their time or the one before.
 void LeaveOutRepeatedSteps(const std::string& who, RepeatedSteps are, Odometry* odometry,
                            ImportReport* report);
 

@@ -59,6 +59,29 @@ TEST_F(RepeatedRowsTest, EqualStepsOfDifferentTimesAndAtRestStay) {
   EXPECT_TRUE(report.dropped.empty());
 }
 
+// As Cairn's own export writes them, turns on the spot too: half of the turn, the way, half of the turn.
+TEST_F(RepeatedRowsTest, HalvesOfATurnOnTheSpotAreMotionAndCountOnceWhereTheLogIsThereTwice) {
+  const auto log = [](int from, int end) {
+    std::string rows;
+    for (int s = 0; s < 60; ++s)
+      for (int copy = 0; copy < (s >= from && s < end ? 2 : 1); ++copy) {
+        const std::string at = std::to_string(s) + ".5,";
+        const bool turns_only = s < 5 || (s > 20 && s < 30);
+        rows += at + "0.05," + (turns_only ? "0" : std::to_string(0.1 + 0.001 * s)) + "\n" + at + "0.05,0\n";
+      }
+    return rows;
+  };
+  ImportReport report = Import(kSteps, log(0, 0));
+  EXPECT_EQ(report.controls, 120);
+  EXPECT_TRUE(report.dropped.empty());
+  const std::vector<double> once = Forward();
+  for (const auto& [from, end] : {std::pair{0, 60}, {0, 15}, {18, 40}}) {
+    report = Import(kSteps, log(from, end));
+    EXPECT_EQ(report.controls, 120) << from;
+    EXPECT_EQ(Forward(), once) << from;
+  }
+}
+
 TEST_F(RepeatedRowsTest, StepsOfACoarseClockAreMotion) {
   std::string rows;
   int state = 1;
