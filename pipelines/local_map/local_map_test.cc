@@ -232,6 +232,32 @@ TEST(LocalMap, AWayThatWheelsSlipIsTakenFromTheScans) {
   EXPECT_LT(fit.apart_m[0], 0.3);
 }
 
+// Odometry is read once a second and the laser five times, also amid turns.
+TEST(LocalMap, OdometryMayBeReadSeldom) {
+  Blob log = LaserRoomLog(3, -1);
+  const auto time_s = log.Get<double>("robot/0/odometry/time_s"),
+             turn_rad = log.Get<double>("robot/0/odometry/turn_rad"),
+             forward_m = log.Get<double>("robot/0/odometry/forward_m");
+  std::vector<double> time{0}, turn{0}, forward{0};
+  double turned = 0, x_m = 0, y_m = 0;
+  for (std::size_t k = 0; k < time_s.size(); ++k) {
+    turned += turn_rad[k];
+    x_m += forward_m[k] * std::cos(turned);
+    y_m += forward_m[k] * std::sin(turned);
+    if (k % 5 != 2 && k + 1 < time_s.size()) continue;
+    time.push_back(time_s[k]);
+    turn.push_back(turned);
+    forward.push_back(x_m * std::cos(turned) + y_m * std::sin(turned));
+    turned = x_m = y_m = 0;
+  }
+  log.PutVector("robot/0/odometry/time_s", time);
+  log.PutVector("robot/0/odometry/turn_rad", turn);
+  log.PutVector("robot/0/odometry/forward_m", forward);
+  const BlobPtr map = Map(log);
+  EXPECT_LT(ErrorM(log, *map), 0.1);
+  EXPECT_TRUE(Read<kinds::LocalMap>(*map).robot[0].fit.from_s.OrNone().empty());
+}
+
 TEST(LocalMap, SensorsMayBeMissing) {
   const Blob log = RoomLog(2, 6);
   EXPECT_LT(ErrorM(log, *Map(log)), 0.15);

@@ -49,10 +49,14 @@ MotionWatch::MotionWatch(const std::vector<ScaleWatch::Ring>& rings) : before_(k
     }
 }
 
-void MotionWatch::Update(std::int64_t scan, double time_s, const Pose& pose, std::span<const RingScan> read,
-                         bool own) {
+void MotionWatch::Update(std::int64_t scan, double time_s, const Pose& pose, bool unsure,
+                         std::span<const RingScan> read, bool own) {
   if (fan_.empty() || read[ring_].range_m.empty()) return;
   const bool is_long = time_s - last_s_ >= kLong_s, is_hole = EndsHole(time_s);
+  if (unsure && !is_hole) {
+    last_pose_ = pose;
+    return;
+  }
   Seen now{.scan = scan, .time_s = time_s, .pose = pose, .view = {}};
   std::int64_t compared = -1;  // the scan that it was compared with
   for (std::size_t w = 0; w < before_.size(); ++w) {

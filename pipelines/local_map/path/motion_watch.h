@@ -35,9 +35,11 @@ class MotionWatch {
   // Looks at the laser that has the most beams; at nothing where there is none.
   explicit MotionWatch(const std::vector<ScaleWatch::Ring>& rings);
 
-  // Scan number `scan` at a pose of dead reckoning; `own`: what it contradicts is reported. A robot that is
+  // Scan number `scan` at a pose of dead reckoning; `unsure`: which is not to be held against other scans;
+  // `own`: what it contradicts is reported. A robot that is
   // carried while its scans go on is noticed a scan later, when two scans from either side tell the same.
-  void Update(std::int64_t scan, double time_s, const Pose& pose, std::span<const RingScan> read, bool own);
+  void Update(std::int64_t scan, double time_s, const Pose& pose, bool unsure, std::span<const RingScan> read,
+              bool own);
 
   const std::vector<Contradiction>& found() const { return found_; }
 

@@ -24,7 +24,7 @@ class WatchedDrive {
     if (!reads_) return;
     const std::vector<double> ranges = LaserScan(walls_, truth_, rng_);
     const RingScan scan{time_s_, 0, ranges};
-    watch_.Update(static_cast<std::int64_t>(scans_.size()), time_s_, dead_, {&scan, 1}, true);
+    watch_.Update(static_cast<std::int64_t>(scans_.size()), time_s_, dead_, false, {&scan, 1}, true);
     scans_.push_back({.time_s = time_s_, .pose = dead_});
   }
   void Ahead(double way_m, double odometry_ratio = 1, double slips_ratio = 1) {
@@ -221,7 +221,7 @@ TEST(MotionWatch, WithoutALaserSeesNothing) {
   Rng rng(1);
   const std::vector<double> ranges = SonarScan(NichedCorridor(), {}, 0, rng);
   const RingScan scan{0, 0, ranges};
-  for (std::int64_t s = 0; s < 9; ++s) watch.Update(s, static_cast<double>(s), {}, {&scan, 1}, true);
+  for (std::int64_t s = 0; s < 9; ++s) watch.Update(s, static_cast<double>(s), {}, false, {&scan, 1}, true);
   EXPECT_TRUE(watch.found().empty());
 }
 

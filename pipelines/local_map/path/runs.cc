@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "schema/error.h"
 
@@ -10,6 +11,8 @@ namespace {
 
 // Times of controls are off by some; what is less than this is no jump, however short the time.
 constexpr double kLeastJump_m = 0.7, kLeastJump_rad = 1.6;
+
+constexpr double kUnsure_rad = 0.08;
 
 std::string Prefix(std::size_t robot) { return "robot/" + std::to_string(robot) + "/"; }
 
@@ -60,9 +63,24 @@ std::vector<Reading> ReadingsOf(const PosedScans& scans, const RobotRuns& runs) 
   return readings;
 }
 
+// What the control that is under way has turned by then and what it turns yet, if evenly. (0, 0): none is.
+std::pair<double, double> TurnUnderWay(const Odometry& odometry, double time_s) {
+  const auto& time = odometry.time_s;
+  const auto next = static_cast<std::size_t>(std::ranges::upper_bound(time, time_s) - time.begin());
+  if (next == 0 || next == time.size() || time[next - 1] == time_s) return {};
+  const double turn = odometry.heading_rad[next] - odometry.heading_rad[next - 1],
+               part = (time_s - time[next - 1]) / (time[next] - time[next - 1]);
+  return {part * turn, (1 - part) * turn};
+}
+
 void AddScan(const Odometry& odometry, double time_s, RobotRuns* runs) {
   const OdometricPose at = PoseAt(odometry, time_s);
-  runs->scans.push_back({time_s, {at.x_m, at.y_m, at.heading_rad}, at.path_m, 0, false});
+  const auto [done_rad, left_rad] = TurnUnderWay(odometry, time_s);
+  const bool unsure = std::min(std::abs(done_rad), std::abs(left_rad)) > kUnsure_rad;
+  runs->scans.push_back({.time_s = time_s,
+                         .pose = {at.x_m, at.y_m, at.heading_rad - left_rad},
+                         .path_m = at.path_m,
+                         .unsure = unsure});
   runs->row_of_log.insert(runs->row_of_log.end(), runs->sensors.size(), -1);
 }
 

@@ -33,6 +33,7 @@ struct Scan {
   std::int32_t run = 0;  // which run of this robot
   bool jumped = false;   // odometry did, since the scan before
   bool slipped = false;  // since the scan before its way is that which scans show, and not odometry's
+  bool unsure = false;   // amid a control that turns much, and does not say when
   static void Fields(const auto& field) {
     field("time_s", &Scan::time_s);
     field("pose", &Scan::pose);
@@ -40,6 +41,7 @@ struct Scan {
     field("run", &Scan::run);
     field("jumped", &Scan::jumped);
     field("slipped", &Scan::slipped);
+    field("unsure", &Scan::unsure);
   }
 };
 
@@ -67,6 +69,8 @@ DeadReckoning ReckonAll(const Blob& log, const RunOptions& options);
 
 // Readings of one robot's sensors that are less than kTogether_s apart make one scan of all of them.
 inline constexpr double kTogether_s = 0.02;
+// Where a scan lies amid a control, that control's turn is spread over its time: rows of odometry may be a
+// second apart, and robots do not turn at once.
 std::vector<RobotRuns> CutRuns(const PosedScans& scans, const DeadReckoning& reckoning,
                                const RunOptions& options);
 

@@ -95,6 +95,23 @@ TEST(Runs, AWayBackwardsIsNoJump) {
   EXPECT_NEAR(runs.scans.back().pose.x_m, 1.7, 1e-9);
 }
 
+TEST(Runs, AScanAmidAControlHasTurnedAPartOfItsTurn) {
+  Blob log = Log(5, -1, 0, 0);
+  log.PutVector<double>("robot/0/odometry/time_s", {0, 1});
+  log.PutVector<double>("robot/0/odometry/turn_rad", {0, 0.6});
+  log.PutVector<double>("robot/0/odometry/forward_m", {0, 0.4});
+  const std::vector<double> times{0.0, 0.02, 0.25, 0.5, 1.0};
+  log.PutVector("robot/0/sonar/time_s", times);
+  log.PutVector("robot/0/laser/time_s", times);
+  const RobotRuns runs = RunsOfLog(log);
+  ASSERT_EQ(runs.scans.size(), times.size());
+  for (std::size_t s = 0; s < times.size(); ++s) {
+    EXPECT_NEAR(runs.scans[s].pose.heading_rad, 0.6 * times[s], 1e-9);
+    EXPECT_NEAR(runs.scans[s].pose.x_m, std::cos(0.6) * 0.4 * times[s], 1e-9);
+    EXPECT_EQ(runs.scans[s].unsure, s == 2 || s == 3) << s;
+  }
+}
+
 TEST(Runs, AreCutAtGapsWhichAreNoJumps) {
   const RobotRuns runs = RunsOfLog(Log(20, 10, 0, 0.1, 100));
   ASSERT_EQ(runs.cuts.size(), 1U);

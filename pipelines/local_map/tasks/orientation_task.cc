@@ -34,7 +34,9 @@ Blob WatchWalls(ScanReader& scans, std::size_t own, const std::optional<std::siz
   for (std::size_t s = 0; s < scans.size(); ++s) {
     if (s % 100 == 0) progress.Tick();
     const std::span<const RingScan> read = scans.Read(s);
-    if (ahead) motion.Update(static_cast<std::int64_t>(s), scans.time_s(s), scans.pose(s), read, s >= own);
+    if (ahead)
+      motion.Update(static_cast<std::int64_t>(s), scans.time_s(s), scans.pose(s), scans.unsure(s), read,
+                    s >= own);
     if (ahead && s < *ahead) continue;
     grids.Update(scans.pose(s), read);
     if (s < own) continue;

@@ -62,6 +62,7 @@ ScanReader::ScanReader(const Blob& log, const Blob& rings, const Blob& rows, std
   }
   time_s_ = Column<double>::In(rows, "time_s").vector();
   pose_ = RowsIn<Pose>(rows, "pose/");
+  unsure_ = Column<std::uint8_t>::In(rows, "unsure").vector();
   row_of_log_ = Column<std::int64_t>::In(rows, "row_of_log").vector();
   scan_.resize(rings_.size());
   RequireWithin("the number of scans", static_cast<std::int64_t>(size()), 1,
@@ -69,6 +70,7 @@ ScanReader::ScanReader(const Blob& log, const Blob& rings, const Blob& rows, std
   RequireAllWithin("time_s", time_s_, -1e18, 1e18);
   RequireSize("pose", pose_.size(), size());
   RequirePoses("a scan's pose", pose_);
+  RequireSize("unsure", unsure_.size(), size());
   RequireSize("row_of_log", row_of_log_.size(), size() * rings_.size());
   for (std::size_t k = 0; k < row_of_log_.size(); ++k)
     RequireWithin("row_of_log", row_of_log_[k], -1, range_m_[k % rings_.size()].shape()[0] - 1);

@@ -28,6 +28,7 @@ class ScanReader {
   const std::vector<ScaleWatch::Ring>& beams() const { return beams_; }
   double time_s(std::size_t scan) const { return time_s_[scan]; }
   Pose pose(std::size_t scan) const { return pose_[scan]; }
+  bool unsure(std::size_t scan) const { return unsure_[scan] != 0; }
   // One a ring, valid until the next call; without ranges where the ring was not read.
   std::span<const RingScan> Read(std::size_t scan);
 
@@ -38,6 +39,7 @@ class ScanReader {
   std::vector<std::vector<double>> turret_rad_;  // of each ring's scans; empty: no turret
   std::vector<double> time_s_;
   std::vector<Pose> pose_;
+  std::vector<std::uint8_t> unsure_;
   std::vector<std::int64_t> row_of_log_;
   std::vector<RingScan> scan_;
 };
