@@ -41,23 +41,24 @@ Span Within(const std::vector<Span>& spans, double ends) {
   return {std::lerp(whole.first, whole.second, ends), std::lerp(whole.first, whole.second, 1 - ends)};
 }
 
+double StepM(const kinds::PoseTable& poses, std::size_t i) {
+  return std::hypot(poses.x_m[i] - poses.x_m[i - 1], poses.y_m[i] - poses.y_m[i - 1]);
+}
+
 // No span can go over the first and the last metres; the time of a tenth of the way, but no more than so far.
 Span WithoutEnds(const std::vector<Span>& spans, const kinds::PoseTable& poses) {
   constexpr double kEnds = 0.1, kMost_m = 8;
   const Span whole = Within(spans, 0), inner = Within(spans, kEnds);
   Span without = whole;
   const std::size_t count = poses.time_s.OrNone().size();
-  const auto step_m = [&](std::size_t i) {
-    return std::hypot(poses.x_m[i] - poses.x_m[i - 1], poses.y_m[i] - poses.y_m[i - 1]);
-  };
   double way_m = 0;
   for (std::size_t i = 1; i < count && way_m < kMost_m; ++i) {
-    if (poses.time_s[i] > whole.first) way_m += step_m(i);
+    if (poses.time_s[i] > whole.first) way_m += StepM(poses, i);
     without.first = std::max(whole.first, poses.time_s[i]);
   }
   way_m = 0;
   for (std::size_t i = count; i-- > 1 && way_m < kMost_m;) {
-    if (poses.time_s[i - 1] < whole.second) way_m += step_m(i);
+    if (poses.time_s[i - 1] < whole.second) way_m += StepM(poses, i);
     without.second = std::min(whole.second, poses.time_s[i - 1]);
   }
   if (count < 2) return inner;
@@ -102,6 +103,50 @@ WeakestTime FindWeakestAxis(const std::vector<Tie>& ties) {
   return weakest;
 }
 
+// The longest way of a robot, between loops that tell how far along an axis it is, over which none does:
+// there that coordinate is odometry's alone. All of its way where none tells of an axis.
+double LongestOpenWay(const std::vector<Tie>& ties, const kinds::PoseTable& poses) {
+  double longest_m = 0;
+  for (const bool Tie::* axis : {&Tie::x, &Tie::y}) {
+    std::vector<Span> spans;
+    for (const Tie& tie : ties)
+      if (tie.*axis) spans.push_back(tie.span);
+    std::ranges::sort(spans);
+    const Span when = spans.empty() ? Span(-HUGE_VAL, HUGE_VAL) : Within(spans, 0);
+    double way_m = 0, held_until_s = -HUGE_VAL;
+    std::size_t next = 0;
+    for (std::size_t i = 1; i < poses.time_s.OrNone().size(); ++i) {
+      if (poses.time_s[i - 1] < when.first || poses.time_s[i] > when.second) continue;
+      for (; next < spans.size() && spans[next].first < poses.time_s[i]; ++next)
+        held_until_s = std::max(held_until_s, spans[next].second);
+      way_m = held_until_s > poses.time_s[i - 1] ? 0 : way_m + StepM(poses, i);
+      longest_m = std::max(longest_m, way_m);
+    }
+  }
+  return longest_m;
+}
+
+// Where the local grids show no wall: odometry's headings are the path's.
+struct Blind {
+  double share = 0, longest_m = 0;  // of the way
+};
+
+Blind BlindWay(const kinds::LocalMap::Robot& robot) {
+  const std::size_t count = robot.poses.time_s.OrNone().size();
+  Blind blind;
+  if (robot.walls.strength.OrNone().size() != count) return blind;
+  double all_m = 0, blind_m = 0, way_m = 0;
+  for (std::size_t i = 1; i < count; ++i) {
+    const double step_m = StepM(robot.poses, i);
+    all_m += step_m;
+    way_m = robot.walls.strength[i] > 0 ? 0 : way_m + step_m;
+    if (way_m > 0) blind_m += step_m;
+    blind.longest_m = std::max(blind.longest_m, way_m);
+  }
+  if (all_m > 0) blind.share = blind_m / all_m;
+  return blind;
+}
+
 // What a robot travels before its first loop or after its last, where nothing checks the path.
 struct Untied {
   double travelled_m = 0, from_s = 0, until_s = 0;
@@ -120,7 +165,7 @@ Untied LongestUntied(const kinds::LocalMap& map, const std::vector<std::vector<T
     }
     double before_m = 0, after_m = 0, all_m = 0;
     for (std::size_t i = 1; i < poses.time_s.OrNone().size(); ++i) {
-      const double step_m = std::hypot(poses.x_m[i] - poses.x_m[i - 1], poses.y_m[i] - poses.y_m[i - 1]);
+      const double step_m = StepM(poses, i);
       all_m += step_m;
       if (poses.time_s[i] <= first_s) before_m += step_m;
       if (poses.time_s[i - 1] >= last_s) after_m += step_m;
@@ -196,9 +241,10 @@ Loops LoopsOf(const kinds::LocalMap& map) {
 }
 
 // Of all robots' paths the times over which the fewest loops go, and the fewest that tell how far along an
-// axis.
+// axis; and the longest way between them over which none does.
 struct Weakest {
   WeakestTime time, along_axis;
+  double open_m = 0;
 };
 
 Weakest FindWeakest(const kinds::LocalMap& map, const Loops& loops) {
@@ -210,6 +256,7 @@ Weakest FindWeakest(const kinds::LocalMap& map, const Loops& loops) {
     for (const Tie& tie : of_robot) spans.push_back(tie.span);
     const WeakestTime least = FindWeakestTime(spans, WithoutEnds(spans, map.robot[r].poses));
     if (least.spans < weakest.time.spans) weakest.time = least;
+    weakest.open_m = std::max(weakest.open_m, LongestOpenWay(of_robot, map.robot[r].poses));
     if (const WeakestTime time = FindWeakestAxis(of_robot); time.spans < weakest.along_axis.spans)
       weakest.along_axis = time;
   }
@@ -217,9 +264,11 @@ Weakest FindWeakest(const kinds::LocalMap& map, const Loops& loops) {
 }
 
 constexpr std::size_t kHighTies = 20, kFairTies = 5, kHighTiesAlongAxis = 10;
+constexpr double kOpen_m = 8;  // rooms and short corridors have shown by then how far along them a robot is
 
 Confidence TrustIn(const Loops& loops, const Weakest& weakest, const Untied& untied) {
-  if (5 * loops.contradicted > loops.all || weakest.time.spans < kFairTies) return Confidence::kLow;
+  if (5 * loops.contradicted > loops.all || weakest.time.spans < kFairTies || weakest.open_m > kOpen_m)
+    return Confidence::kLow;
   const bool high = weakest.time.spans >= kHighTies && weakest.along_axis.spans >= kHighTiesAlongAxis &&
                     50 * loops.contradicted <= loops.all && !untied.is_long;
   return high ? Confidence::kHigh : Confidence::kFair;
@@ -243,7 +292,34 @@ std::string LoopsText(const Loops& loops, const Weakest& weakest, const Untied& 
         "; along one direction, as of a blank corridor, what comes after {:.0f} s hangs on {} of them, and "
         "where a robot slipped that way nothing else says so",
         weakest.along_axis.time_s, weakest.along_axis.spans);
+  if (weakest.open_m > kOpen_m)
+    text += fmt::format(
+        "; over {:.0f} m no loop tells how far along one direction the robot is, and nothing checks that",
+        weakest.open_m);
   return text;
+}
+
+// How far the local grids reach to each side; 0: not known.
+double ReachOf(const Blob& result, const kinds::LocalMap& map) {
+  if (!map.snapshots.occupancy) return 0;
+  const std::int64_t half_cells = result.at("snapshots/occupancy").shape()[1] / 2;
+  return static_cast<double>(half_cells) * map.cell_m[0];
+}
+
+// A hall whose walls are further away than the local grids reach.
+void JudgeBlindWays(const Blob& result, const kinds::LocalMap& map, Verdict* verdict) {
+  constexpr double kShare = 0.5, kLong_m = 20;
+  for (const kinds::LocalMap::Robot& robot : map.robot) {
+    const Blind blind = BlindWay(robot);
+    verdict->numbers.emplace_back("blind_share", blind.share);
+    if (blind.share <= kShare || blind.longest_m <= kLong_m) continue;
+    const double reach_m = ReachOf(result, map);
+    verdict->Add({Confidence::kLow,
+                  fmt::format("on {:.0f}% of the way, {:.0f} m at a stretch, no wall lies within the local "
+                              "grids{}: a greater 'half_cells' lets them see further",
+                              100 * blind.share, blind.longest_m,
+                              reach_m > 0 ? fmt::format(", which reach {:.1f} m", reach_m) : "")});
+  }
 }
 
 void JudgeWalls(const kinds::LocalMap& map, Verdict* verdict) {
@@ -351,11 +427,13 @@ Verdict LocalMapVerdict(const Blob& result) {
   const Weakest weakest = FindWeakest(map, loops);
   verdict.AddCount("loops_over_weakest_time", weakest.time.spans);
   verdict.AddCount("loops_along_weakest_axis", weakest.along_axis.spans);
+  verdict.numbers.emplace_back("open_along_axis_m", weakest.open_m);
   const Untied untied = LongestUntied(map, loops.closed);
   verdict.numbers.emplace_back("untied_m", untied.travelled_m);
   verdict.trust = TrustIn(loops, weakest, untied);
   verdict.why = LoopsText(loops, weakest, untied);
   JudgeWalls(map, &verdict);
+  JudgeBlindWays(result, map, &verdict);
   JudgeScans(map, &verdict);
   return verdict;
 }

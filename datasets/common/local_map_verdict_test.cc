@@ -98,6 +98,55 @@ TEST(LocalMapVerdict, LoopsThatTellTheDistanceAcrossAloneTieNothingAlong) {
   }
 }
 
+TEST(LocalMapVerdict, ALongWayAlongWhichNoLoopTellsIsNotTrusted) {
+  const auto verdict_of = [](double open_m) {
+    Blob map = LocalMapOf(Loops(100, 1, 50));
+    std::vector<std::uint8_t> tells(100, 1);
+    std::vector<double> from_s(100, 1), to_s(100, 50);
+    std::fill_n(to_s.begin(), 40, 20);           // before that way
+    std::fill_n(from_s.begin() + 40, 40, 30.0);  // after it
+    std::fill_n(tells.begin() + 80, 20, 0);      // over it, but of the other axis
+    map.PutVector("connections/from_s", from_s);
+    map.PutVector("connections/to_s", to_s);
+    map.PutVector("connections/tells_x", tells);
+    map.PutVector<std::uint8_t>("connections/tells_y", std::vector<std::uint8_t>(100, 1));
+    kinds::PoseTable poses;
+    poses.Set({0, 20, 30, 51},
+              {Pose{0, 0, 0}, Pose{30, 0, 0}, Pose{30 + open_m, 0, 0}, Pose{60 + open_m, 0, 0}});
+    map.PutAll("robot/0/poses/", BlobOf(poses));
+    return LocalMapVerdict(map);
+  };
+  EXPECT_EQ(verdict_of(7).trust, Confidence::kFair);
+  EXPECT_EQ(verdict_of(9).trust, Confidence::kLow);
+  EXPECT_NE(verdict_of(9).why.find("over 9 m no loop tells how far along one direction the robot is"),
+            std::string::npos)
+      << verdict_of(9).why;
+}
+
+// A hall's walls are further away than the local grids reach.
+TEST(LocalMapVerdict, AWayWithoutAWallInTheGridsIsNotTrustedAndTheRemedyNamed) {
+  const auto verdict_of = [](double blind_m) {
+    Blob map = LocalMapOf(Loops(100, 1, 50));
+    kinds::PoseTable poses;
+    const std::vector<double> time_s{0, 20, 30, 51};
+    poses.Set(time_s, {Pose{0, 0, 0}, Pose{10, 0, 0}, Pose{10 + blind_m, 0, 0}, Pose{20 + blind_m, 0, 0}});
+    map.PutAll("robot/0/poses/", BlobOf(poses));
+    map.PutVector("robot/0/walls/time_s", time_s);
+    map.PutVector<double>("robot/0/walls/angle_rad", {0, 0, 0, 0});
+    map.PutVector<double>("robot/0/walls/strength", {1, 1, 0, 1});
+    map.PutVector<std::uint8_t>("robot/0/walls/locked", {1, 1, 1, 1});
+    map.PutVector<std::uint8_t>("robot/0/walls/other_area", {0, 0, 0, 0});
+    return LocalMapVerdict(map);
+  };
+  EXPECT_EQ(verdict_of(19).trust, Confidence::kHigh);
+  EXPECT_EQ(verdict_of(30).trust, Confidence::kLow);
+  EXPECT_NE(
+      verdict_of(30).why.find("on 60% of the way, 30 m at a stretch, no wall lies within the local grids: "
+                              "a greater 'half_cells' lets them see further"),
+      std::string::npos)
+      << verdict_of(30).why;
+}
+
 TEST(LocalMapVerdict, ALongWayAfterTheLastLoopIsNamed) {
   const auto verdict_of = [](double after_m) {
     Blob map = LocalMapOf(Loops(30, 1, 50));
