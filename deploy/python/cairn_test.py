@@ -402,7 +402,7 @@ class PackageTest(unittest.TestCase):
         self.assertEqual(cairn.evaluate("--help", truth="-x.h5"), cairn.evaluate("map", truth="log.h5"))
         for words in ((Path("-x.h5"),), ("--", "-x.h5")):
             self.assertEqual(cairn.command("inspect", *words)["kind"], "log")
-        self.refused("--json: what it says is no JSON", cairn.command, "evaluate", "--help", error=cairn.CairnError)
+        self.refused("--json --die-with-parent: what it says is no JSON", cairn.command, "evaluate", "--help", error=cairn.CairnError)
         self.refused("there is no pipeline '-v'", cairn.run, "-v", "log.h5")
 
     def test_a_job_is_handed_in(self) -> None:

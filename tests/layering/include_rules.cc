@@ -187,7 +187,7 @@ const std::vector<Rule>& Rules() {
        true},
       {"pipelines/landmark_map/landmarks",
        {"schema/*", "schema/kinds/", "pipelines/common/", "pipelines/landmark_map/model/",
-        "pipelines/landmark_map/landmarks/"},
+        "pipelines/landmark_map/landmarks/", "Eigen/"},
        true},
       {"pipelines/local_map/grids",
        {"schema/*", "schema/kinds/", "pipelines/common/", "pipelines/local_map/grids/"},
