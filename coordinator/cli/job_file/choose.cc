@@ -42,6 +42,8 @@ struct Holdings {
   Point low = {}, high = {};              // where robots went, by poses, else by odometry
   double reach_m = 0;                     // the middle range of the sensor that sees furthest
   double unseen_m = 0;                    // the longest way that a robot with scans observed no landmark
+  double unplaced_m = 0;                  // that it observed no two at once, which tell where it was
+  bool sees_two = false;                  // at once, at some time
   Neighboured neighboured = {};
 
   bool HasLaser() const {
@@ -111,11 +113,19 @@ void AddPath(const kinds::Log::Robot& robot, Holdings* all) {
   }
 }
 
-// By odometry, from the first row to the last.
-double LongestWayWithoutObservation(const kinds::Log::Robot& robot) {
+// When as many landmarks or more were observed at once, in order.
+std::vector<double> TimesOfObservations(const kinds::Log::Robot& robot, std::size_t at_once) {
   const auto times_s = robot.observations.time_s.OrNone();
-  std::vector<double> seen_s(times_s.begin(), times_s.end());
-  std::ranges::sort(seen_s);
+  std::vector<double> all_s(times_s.begin(), times_s.end()), seen_s;
+  std::ranges::sort(all_s);
+  for (std::size_t i = at_once - 1; i < all_s.size(); ++i)
+    if (all_s[i + 1 - at_once] == all_s[i]) seen_s.push_back(all_s[i]);
+  return seen_s;
+}
+
+// By odometry, from the first row to the last.
+double LongestWayWithoutObservation(const kinds::Log::Robot& robot, std::size_t at_once) {
+  const std::vector<double> seen_s = TimesOfObservations(robot, at_once);
   double way_m = 0, longest_m = 0;
   auto next = seen_s.begin();
   for (std::size_t i = 0; i < robot.odometry.time_s.OrNone().size(); ++i) {
@@ -134,7 +144,11 @@ void Add(const kinds::Log::Robot& robot, Holdings* all) {
   for (const std::int32_t landmark : robot.observations.landmark.OrNone()) all->named += landmark >= 0;
   const std::size_t before = all->with_scans;
   AddScans(robot, all);
-  if (all->with_scans > before) all->unseen_m = std::max(all->unseen_m, LongestWayWithoutObservation(robot));
+  if (all->with_scans > before) {
+    all->unseen_m = std::max(all->unseen_m, LongestWayWithoutObservation(robot, 1));
+    all->unplaced_m = std::max(all->unplaced_m, LongestWayWithoutObservation(robot, 2));
+    all->sees_two |= !TimesOfObservations(robot, 2).empty();
+  }
   AddPath(robot, all);
 }
 
@@ -184,6 +198,7 @@ void CheckPaths(const kinds::Log& log, bool has_observations) {
 struct Grid {
   std::string name;
   std::string poses;              // a stage's; empty: the log's own
+  std::string why = {};           // of that stage's
   std::optional<std::string> of;  // a robot alone; none: all
 };
 
@@ -213,9 +228,9 @@ void ChooseGrid(const Holdings& holdings, const Grid& of, ChosenJob* chosen) {
   if (of.of) (*grid.mutable_options())["robots"].set_s(*of.of);
   if (!of.poses.empty()) (*grid.mutable_inputs())["poses"] = of.poses;
   chosen->reasons.push_back(fmt::format(
-      "{}: {}, of {}{} in cells of {:g} m, with the poses of {}{}", of.name, grid.pipeline(),
+      "{}: {}, of {}{} in cells of {:g} m, with the poses of {}{}{}", of.name, grid.pipeline(),
       Counted(holdings.readings, "reading"), of.of ? " of robot '" + *of.of + "'" : "", cell_m,
-      of.poses.empty() ? "the log" : "'" + of.poses + "'",
+      of.poses.empty() ? "the log" : "'" + of.poses + "'", of.why,
       forward ? ""
               : fmt::format("; forward_map, which explains readings together, would take long of more "
                             "than {}",
@@ -239,16 +254,33 @@ void ChooseGridOfEach(const kinds::Log& log, const Holdings& all, ChosenJob* cho
     Holdings one;
     Add(log.robot[r], &one);
     if (one.scans == 0) continue;
-    ChooseGrid(one, {.name = fmt::format("grid_{}", r), .poses = "path", .of = log.robots[r]}, chosen);
+    ChooseGrid(one, {.name = fmt::format("grid_{}", r), .poses = "path", .why = {}, .of = log.robots[r]},
+               chosen);
   }
 }
 
-// Whether landmarks tell best where the robots were when they scanned: where they tie several together, or
-// where there is no path of what was scanned itself. A laser shows walls all the time, a sonar hears less;
-// between landmarks a path is that of odometry.
+// Two landmarks at once tell where a robot is; over a way so long odometry does between.
+constexpr double kMostUnplaced_m = 10;
+
+// Whether landmarks tell best where the robots were when they scanned: where they tie several together, where
+// they are seen all along, or where there is no path of what was scanned itself. A laser shows walls all the
+// time, a sonar hears less; between landmarks a path is that of odometry.
+bool AreSeenAllAlong(const Holdings& all) { return all.sees_two && all.unplaced_m <= kMostUnplaced_m; }
+
 bool LandmarksPlaceScans(const Holdings& all, bool has_poses) {
   constexpr double kMostUnseen_m = 20;
-  return has_poses || all.with_scans > 1 || (!all.HasLaser() && all.unseen_m <= kMostUnseen_m);
+  return has_poses || all.with_scans > 1 || AreSeenAllAlong(all) ||
+         (!all.HasLaser() && all.unseen_m <= kMostUnseen_m);
+}
+
+// Of the choice between landmarks and the path of a laser.
+std::string WhyThosePoses(const Holdings& all) {
+  if (AreSeenAllAlong(all))
+    return fmt::format(", for it is never more than {:.1f} m between two landmarks at once and the next two",
+                       all.unplaced_m);
+  return all.HasLaser()
+             ? fmt::format(", for there are {:.0f} m without two landmarks at once", all.unplaced_m)
+             : "";
 }
 
 void ChooseGrids(const kinds::Log& log, const Holdings& all, ChosenJob* chosen) {
@@ -263,8 +295,10 @@ void ChooseGrids(const kinds::Log& log, const Holdings& all, ChosenJob* chosen) 
   if (!has_landmarks && !has_poses && all.with_scans > 1) return ChooseGridOfEach(log, all, chosen);
   std::string poses = has_poses ? "" : "path";
   if (has_landmarks && LandmarksPlaceScans(all, has_poses)) poses = "landmarks";
-  ChooseGrid(all, {.name = "grid", .poses = poses, .of = {}}, chosen);
-  if (has_landmarks && !has_poses && all.with_scans == 1)
+  const bool either = has_landmarks && !has_poses && all.with_scans == 1;
+  const std::string why = either ? WhyThosePoses(all) : "";
+  ChooseGrid(all, {.name = "grid", .poses = poses, .why = why, .of = {}}, chosen);
+  if (either)
     chosen->reasons.back() += fmt::format("; `poses: {}` in the job file takes the other stage's",
                                           poses == "path" ? "landmarks" : "path");
 }

@@ -19,6 +19,7 @@ struct Of {
   std::string sensor = "laser";
   bool poses = false, odometry = true;
   double forward_m = 1;
+  int at_once = 1;  // observations
 };
 
 Blob LogOf(const Of& of) {
@@ -31,7 +32,7 @@ Blob LogOf(const Of& of) {
       robot.odometry = {std::vector{0.0, 1.0}, std::vector{0.0, 0.0},
                         std::vector{of.forward_m, of.forward_m}};
     std::vector<double> times;
-    for (int i = 0; i < of.observations; ++i) times.push_back(0.1 * i);
+    for (int i = 0; i < of.observations; ++i) times.push_back(0.1 * (i / of.at_once));
     robot.observations.time_s = times;
     robot.observations.landmark = std::vector<std::int32_t>(times.size(), -1);
     robot.observations.range_m = std::vector<double>(times.size(), 1.0);
@@ -71,6 +72,24 @@ TEST(ChooseJob, RunsWhatTheLogHoldsDataFor) {
   EXPECT_EQ(Stages(ChooseJob(LogOf({.observations = 3, .scans = 5}))),
             "landmarks landmark_map; path local_map; grid forward_map of path");
   EXPECT_EQ(Stages(ChooseJob(LogOf({.robots = 2, .observations = 3}))), "landmarks landmark_map");
+}
+
+// Two at once tell where the robot is: with them no way is left to the laser. What is shown is the way of the
+// second control, over which there is an observation only where the last is at 1 s.
+TEST(ChooseJob, AGridHasThePosesOfLandmarksThatAreSeenAllAlong) {
+  const auto grid = [](Of of) {
+    of.scans = 5;
+    const std::string reason = ChooseJob(LogOf(of)).reasons.back();
+    return reason.substr(reason.find("poses of "), reason.find(';') - reason.find("poses of "));
+  };
+  EXPECT_EQ(
+      grid({.observations = 22, .forward_m = 9.5, .at_once = 2}),
+      "poses of 'landmarks', for it is never more than 9.5 m between two landmarks at once and the next "
+      "two");
+  EXPECT_EQ(grid({.observations = 22, .forward_m = 11, .at_once = 2}),
+            "poses of 'path', for there are 11 m without two landmarks at once");
+  EXPECT_EQ(grid({.observations = 11, .forward_m = 9.5}),
+            "poses of 'path', for there are 19 m without two landmarks at once");
 }
 
 // A laser shows walls where no landmark is; landmarks that a robot with sonar sees all along tell more.
