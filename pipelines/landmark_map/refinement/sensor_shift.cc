@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "pipelines/landmark_map/refinement/joint_equations.h"
@@ -41,6 +42,23 @@ Odometry Later(Odometry odometry, double late_s) {
   return odometry;
 }
 
+// [N]: the number of the place where each node is; nodes at which a robot stands are at one.
+std::vector<int> PlacesOf(const NodeTrack& track) {
+  constexpr double kLeast_m = 0.02, kLeast_rad = 0.01;
+  std::vector<int> places{0};
+  double way_m = 0.0, turn_rad = 0.0;
+  for (const std::vector<Control>& controls : track.controls) {
+    for (const Control& control : controls) {
+      way_m += std::abs(control.forward_m);
+      turn_rad += std::abs(control.turn_rad);
+    }
+    const bool went = way_m >= kLeast_m || turn_rad >= kLeast_rad;
+    places.push_back(places.back() + (went ? 1 : 0));
+    if (went) way_m = turn_rad = 0.0;
+  }
+  return places;
+}
+
 // One robot's observations, among their landmarks, at other times than they say, or from elsewhere on it.
 class RobotAlone {
  public:
@@ -53,6 +71,13 @@ class RobotAlone {
     alone.repeats = {};  // a shift that nobody takes off makes errors that go on
     std::erase_if(alone.sightings,
                   [&](const Sighting& seen) { return seen.robot != static_cast<int>(robot); });
+    // From where it stands a landmark looks the same wherever the sensor sits: a thousand sightings tell no
+    // more than one, and would leave little of the drive among the first.
+    const std::vector<int> places = PlacesOf(alone.robots[0]);
+    std::set<std::pair<int, int>> from;
+    std::erase_if(alone.sightings, [&](const Sighting& seen) {
+      return !from.emplace(places[static_cast<std::size_t>(seen.node)], seen.landmark).second;
+    });
     for (Sighting& seen : alone.sightings) seen.robot = 0;
     problem_ = Beginning(alone, kMostSightings);
     std::map<int, int> now;  // its landmarks, in the order in which it sees them
