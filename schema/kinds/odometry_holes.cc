@@ -55,13 +55,13 @@ bool SeenAlike(const kinds::Log::Observations& seen, std::size_t a, std::size_t 
          std::abs(WrapAngle(seen.bearing_rad[a] - seen.bearing_rad[b])) < kSame_rad;
 }
 
-// By the named ones of rows [begin, end): a landmark is seen at the end where it was at first, or elsewhere;
-// or each time there are others.
+// By the named ones of rows [begin, end): landmarks are seen at the end where they were before, or more than
+// a quarter elsewhere, as of thousands some few err by much; or each time there are others.
 Motion MotionIn(const kinds::Log::Observations& seen, std::size_t begin, std::size_t end) {
   if (!seen.landmark || !seen.range_m || !seen.bearing_rad) return Motion::kUnknown;
   if (std::min({seen.landmark.size(), seen.range_m.size(), seen.bearing_rad.size()}) < end)
     return Motion::kUnknown;
-  Motion motion = Motion::kUnknown;
+  std::size_t again = 0, elsewhere = 0;
   bool others = false;
   for (std::size_t a = begin; a < end; ++a) {
     if (seen.landmark[a] < 0) return Motion::kUnknown;
@@ -69,10 +69,11 @@ Motion MotionIn(const kinds::Log::Observations& seen, std::size_t begin, std::si
     std::size_t last = end - 1;
     while (seen.landmark[last] != seen.landmark[a]) --last;
     if (seen.time_s[last] == seen.time_s[a]) continue;
-    if (!SeenAlike(seen, a, last)) return Motion::kMoved;
-    motion = Motion::kStood;
+    ++again;
+    elsewhere += !SeenAlike(seen, a, last);
   }
-  return motion == Motion::kUnknown && others ? Motion::kMoved : motion;
+  if (again == 0) return others ? Motion::kMoved : Motion::kUnknown;
+  return 4 * elsewhere > again ? Motion::kMoved : Motion::kStood;
 }
 
 // The rows [first, second) of one image: all of one time.

@@ -69,6 +69,14 @@ TEST(OdometryHoles, AreNoneWhereALandmarkIsSeenWhereItWas) {
   EXPECT_EQ(OdometryHolesOf(LogThatSees(5, {8, 8.1, 7.9})).size(), 1U);
 }
 
+// Of many observations of a robot that stands some err by more than those of one that moves a little.
+TEST(OdometryHoles, AreNoneWhereFewOfManyObservationsErr) {
+  std::vector<double> range_m{8, 8.1, 7.9, 8, 7.4, 8.1, 8.6, 8, 8};
+  EXPECT_TRUE(OdometryHolesOf(LogThatSees(0, range_m)).empty());
+  range_m[5] = 7;
+  EXPECT_EQ(OdometryHolesOf(LogThatSees(0, range_m)).size(), 1U) << "three of eight";
+}
+
 // A row and an observation of range and bearing each second or oftener, but none from 20 to 30 s: the last
 // before and the first after see a landmark at these ranges. `after_mps`: how fast it goes on.
 Blob LogThatPauses(double before_m, double after_m, double travelled_m = 0.02, double after_mps = 0.5) {
