@@ -11,60 +11,14 @@
 #include <optional>
 #include <span>
 
+#include "datasets/common/reckoning.h"
 #include "schema/geometry.h"
+#include "schema/middle.h"
 
 namespace cairn::datasets {
 namespace {
 
 constexpr double kLongest_s = 5;  // between the scans of a pair
-
-// Dead reckoning by odometry that means something else than it says; and what a sensor sees that is turned.
-struct Reading {
-  double forward = 1, turn = 1, delay_s = 0, sensor_rad = 0;
-};
-
-class Reckoning {
- public:
-  explicit Reckoning(const kinds::Log::Odometry& odometry, const Reading& reading = {})
-      : time_s_(odometry.time_s), delay_s_(reading.delay_s) {
-    Pose pose;
-    double driven = 0, turned = 0;
-    for (std::size_t i = 0; i < time_s_.size(); ++i) {
-      pose = Compose(pose, {0, 0, reading.turn * odometry.turn_rad[i]});
-      pose = Compose(pose, {reading.forward * odometry.forward_m[i], 0, 0});
-      poses_.push_back(pose);
-      driven_m_.push_back(driven += std::abs(odometry.forward_m[i]));
-      turned_rad_.push_back(turned += std::abs(odometry.turn_rad[i]));
-    }
-  }
-
-  Pose At(double time_s) const {
-    const auto [i, share] = Place(time_s + delay_s_);
-    const Pose &a = poses_[i], &b = poses_[std::min(i + 1, poses_.size() - 1)];
-    return {std::lerp(a.x_m, b.x_m, share), std::lerp(a.y_m, b.y_m, share),
-            std::lerp(a.heading_rad, b.heading_rad, share)};
-  }
-  double DrivenM(double time_s) const { return Of(driven_m_, time_s); }
-  double TurnedRad(double time_s) const { return Of(turned_rad_, time_s); }
-
- private:
-  std::pair<std::size_t, double> Place(double time_s) const {
-    const auto after = std::ranges::upper_bound(time_s_, time_s);
-    if (after == time_s_.begin()) return {0, 0};
-    const auto i = static_cast<std::size_t>(after - time_s_.begin()) - 1;
-    if (i + 1 >= time_s_.size()) return {i, 0};
-    return {i, (time_s - time_s_[i]) / (time_s_[i + 1] - time_s_[i])};
-  }
-  double Of(const std::vector<double>& sums, double time_s) const {
-    const auto [i, share] = Place(time_s);
-    return std::lerp(sums[i], sums[std::min(i + 1, sums.size() - 1)], share);
-  }
-
-  std::span<const double> time_s_;
-  double delay_s_;
-  std::vector<Pose> poses_;
-  std::vector<double> driven_m_, turned_rad_;
-};
 
 struct Pair {
   std::size_t first, second;
@@ -308,7 +262,7 @@ std::vector<SeenTurn> FindSeenAgain(const kinds::Log::Observations& seen, const 
 // A reading of odometry that people have written by mistake, and the question to ask.
 struct Mistake {
   Reading reading;
-  const char* question;
+  const char* question;  // nullptr: of a delay
 };
 
 constexpr std::array kOfDistances = {
@@ -331,18 +285,11 @@ constexpr std::array kOfTurns = {
             "what it sees turns the wrong way when it turns: are turns, or the directions in which it sees, "
             "clockwise? Cairn "
             "counts counter-clockwise"},
-    Mistake{{.delay_s = 1},
-            "they fit odometry of 1 s later better: do both have the same clock? `--sensor-late-s=-1` takes "
-            "that off a CSV"},
-    Mistake{{.delay_s = -1},
-            "they fit odometry of 1 s earlier better: do both have the same clock? `--sensor-late-s=1` takes "
-            "that off a CSV"},
-    Mistake{{.delay_s = 2},
-            "they fit odometry of 2 s later better: do both have the same clock? `--sensor-late-s=-2` takes "
-            "that off a CSV"},
-    Mistake{{.delay_s = -2},
-            "they fit odometry of 2 s earlier better: do both have the same clock? `--sensor-late-s=2` takes "
-            "that off a CSV"},
+    // Of delays only how long they are is asked, and by a finer look: ClockQuestion.
+    Mistake{{.delay_s = 1}, nullptr},
+    Mistake{{.delay_s = -1}, nullptr},
+    Mistake{{.delay_s = 2}, nullptr},
+    Mistake{{.delay_s = -2}, nullptr},
 };
 
 // Where bearings count from: on the robot what is seen lies elsewhere, and moves elsewhere when it drives.
@@ -361,21 +308,68 @@ constexpr std::array kOfMounts = {
 // What is ahead is often another thing than before; what lies all around hardly ever.
 constexpr double kPartOfDistances = 0.65, kPartOfTurns = 0.9;
 
-// The mistake that fits best, if one fits better than none.
+// Of what the sensor saw, `what`; only observations come from a table whose import can take that off.
+std::string ClockQuestion(const std::string& what, double delay_s) {
+  const double late_s = -delay_s;
+  const std::string seconds = fmt::format("{:.3g} s", std::abs(delay_s));
+  return fmt::format("they fit odometry of {} {} better: do both have the same clock? {}", seconds,
+                     delay_s < 0 ? "earlier" : "later",
+                     what == "observations"
+                         ? fmt::format("`--sensor-late-s={:.3g}` takes that off a CSV", late_s)
+                     : delay_s < 0 ? "then take " + seconds + " off the times of the " + what
+                                   : "then add " + seconds + " to the times of the " + what);
+}
+
+// The delay near `around_s` that fits best.
+template <class ErrorsWith>
+double FinerDelay_s(double around_s, const ErrorsWith& errors_with) {
+  constexpr int kSteps = 20;  // to either side
+  constexpr double kStep_s = 0.05;
+  double best_s = around_s, least_m = std::numeric_limits<double>::infinity();
+  for (int k = -kSteps; k <= kSteps; ++k) {
+    const double delay_s = around_s + kStep_s * k;
+    const std::vector<double> errors = errors_with({.delay_s = delay_s});
+    const double sum_m = std::accumulate(errors.begin(), errors.end(), 0.0);
+    if (sum_m >= least_m) continue;
+    least_m = sum_m;
+    best_s = delay_s;
+  }
+  return best_s;
+}
+
+// The mistake that fits best, if one fits better than none. Where odometry was between two rows nobody knows:
+// no delay shorter than `row_s` is one.
 template <class ErrorsWith>
 std::optional<std::string> Best(std::span<const Mistake> mistakes, double part, const char* what,
-                                std::span<const double> as_is, const ErrorsWith& errors_with) {
+                                std::span<const double> as_is, const ErrorsWith& errors_with,
+                                double row_s = 0) {
   if (as_is.size() < kFewPairs) return std::nullopt;
-  std::optional<std::string> best;
-  double least_m = std::numeric_limits<double>::infinity();
+  constexpr double kAboutARow = 0.9;
+  const Mistake* best = nullptr;
+  Comparison least;
   for (const Mistake& mistake : mistakes) {
+    const double delay_s = std::abs(mistake.reading.delay_s);
+    if (delay_s > 0 && delay_s < kAboutARow * row_s) continue;
     const Comparison compared = Compare(as_is, errors_with(mistake.reading));
-    if (!IsBetter(compared, part) || compared.other_m >= least_m) continue;
-    least_m = compared.other_m;
-    best = fmt::format("of {} pairs of {}, {:.2f} m off on average as it is, {:.2f} m otherwise: {}",
-                       compared.pairs, what, compared.as_is_m, compared.other_m, mistake.question);
+    if (!IsBetter(compared, part) || (best != nullptr && compared.other_m >= least.other_m)) continue;
+    least = compared;
+    best = &mistake;
   }
-  return best;
+  if (best == nullptr) return std::nullopt;
+  std::string question;
+  if (best->question != nullptr) {
+    question = best->question;
+  } else {
+    const double delay_s = FinerDelay_s(best->reading.delay_s, errors_with);
+    least = Compare(as_is, errors_with({.delay_s = delay_s}));
+    question = ClockQuestion(what, delay_s);
+  }
+  return fmt::format("of {} pairs of {}, {:.2f} m off on average as it is, {:.2f} m otherwise: {}",
+                     least.pairs, what, least.as_is_m, least.other_m, question);
+}
+
+double UsualRow_s(const kinds::Log::Odometry& odometry) {
+  return MiddlePause(odometry.time_s.values(), 1).value_or(0);
 }
 
 std::optional<std::string> DoubtDistances(const Scans& scans, const kinds::Log::Odometry& odometry) {
@@ -400,8 +394,10 @@ std::optional<std::string> DoubtTurns(const Scans& scans, const kinds::Log::Odom
                   scans.time_s()[pair.first], scans.time_s()[pair.second]};
     if (turn.first.size() >= kFewPoints && turn.second.size() >= kFewPoints) turns.push_back(std::move(turn));
   }
-  return Best(kOfTurns, kPartOfTurns, "scans", ErrorsOf(turns, as_is),
-              [&](const Reading& reading) { return ErrorsOf(turns, Reckoning(odometry, reading)); });
+  return Best(
+      kOfTurns, kPartOfTurns, "scans", ErrorsOf(turns, as_is),
+      [&](const Reading& reading) { return ErrorsOf(turns, Reckoning(odometry, reading)); },
+      UsualRow_s(odometry));
 }
 
 std::optional<std::string> DoubtSeenAgain(const kinds::Log::Observations& seen,
@@ -411,8 +407,10 @@ std::optional<std::string> DoubtSeenAgain(const kinds::Log::Observations& seen,
   const std::vector<SeenTurn> turns = FindSeenAgain(seen, as_is, [](const Moved& moved) {
     return moved.turned_rad >= kLeastTurn_rad && moved.turned_rad <= kMostTurn_rad;
   });
-  return Best(kOfTurns, kPartOfTurns, "observations", ErrorsOfBestDrift(turns, as_is),
-              [&](const Reading& reading) { return ErrorsOfBestDrift(turns, Reckoning(odometry, reading)); });
+  return Best(
+      kOfTurns, kPartOfTurns, "observations", ErrorsOfBestDrift(turns, as_is),
+      [&](const Reading& reading) { return ErrorsOfBestDrift(turns, Reckoning(odometry, reading)); },
+      UsualRow_s(odometry));
 }
 
 std::vector<SeenTurn> Turned(std::vector<SeenTurn> seen, double angle_rad) {

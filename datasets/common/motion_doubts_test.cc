@@ -83,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(
                  [](auto* r) {
                    for (auto& s : r->sensors) s.time_s = Each(s.time_s, [](double t) { return t + 2; });
                  },
-                 "2 s earlier"}),
+                 " s earlier better: do both have the same clock?"}),
     [](const auto& test) { return std::string(test.param.name); });
 
 kinds::Log OfOneRobot(const kinds::Log::Robot& robot) {
@@ -216,6 +216,46 @@ TEST(MotionDoubts, AStrongDriftIsToldFromAnotherClock) {
             << drift << ' ' << delay_s << ' ' << seed;
       }
     }
+  }
+}
+
+// By how much is said, and only of observations that an import of a CSV can take it off.
+TEST(MotionDoubts, OfAnotherClockItIsSaidByHowMuch) {
+  kinds::Log log = Office(1);
+  for (auto& sensor : log.robot[0].sensors)
+    sensor.time_s = Each(sensor.time_s, [](double t) { return t + 1.35; });
+  const std::string scans = All(FindMotionDoubts(log));
+  EXPECT_NE(scans.find("odometry of 1."), std::string::npos) << scans;
+  EXPECT_NE(scans.find(" off the times of the scans"), std::string::npos) << scans;
+  EXPECT_EQ(scans.find("CSV"), std::string::npos) << scans;
+  const std::string seen = All(FindMotionDoubts(Slalom(0, 0.7, 0.01, 1)));
+  EXPECT_NE(seen.find("odometry of 0.7 s earlier"), std::string::npos) << seen;
+  EXPECT_NE(seen.find("`--sensor-late-s=0.7` takes that off a CSV"), std::string::npos) << seen;
+}
+
+// Of each `every` rows of odometry one, which goes where they went.
+kinds::Log Coarse(kinds::Log log, std::size_t every) {
+  kinds::Log::Odometry& odometry = log.robot[0].odometry;
+  std::vector<double> time_s, turn_rad, forward_m;
+  for (std::size_t i = 0; i < odometry.time_s.size(); ++i) {
+    if (i % every == 0) {
+      turn_rad.push_back(0);
+      forward_m.push_back(0);
+      time_s.push_back(0);
+    }
+    time_s.back() = odometry.time_s[i];
+    turn_rad.back() += odometry.turn_rad[i];
+    forward_m.back() += odometry.forward_m[i];
+  }
+  odometry = {time_s, turn_rad, forward_m};
+  return log;
+}
+
+// A second that is less than a row of odometry is no clock's.
+TEST(MotionDoubts, OdometryOfFewRowsIsNoOtherClock) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    EXPECT_EQ(All(FindMotionDoubts(Coarse(Slalom(0, 1, 0.01, seed), 50))), "") << seed;
+    EXPECT_NE(All(FindMotionDoubts(Slalom(0, 1, 0.01, seed))), "") << seed;
   }
 }
 
