@@ -444,7 +444,9 @@ Verdict LandmarkMapVerdict(const Blob& result) {
     verdict.why += "; " + moved;
   }
   if (RefinementRefused(result)) {
-    verdict.why += "; refinement was " + NotRefined(result) + ", the landmarks stand where EM left them";
+    const bool none = result.Has("map/landmark_x_m") && result.Get<double>("map/landmark_x_m").empty();
+    verdict.why += "; refinement was " + NotRefined(result) +
+                   (none ? ", the path is odometry's" : ", the landmarks stand where EM left them");
     if (OdometryContradicts(result)) verdict.trust = Confidence::kLow;
   }
   return verdict;

@@ -489,6 +489,8 @@ TEST(LandmarkMapVerdict, DataThatNoPathExplainsAreLow) {
       "the landmarks stand where EM left them");
   map.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
   EXPECT_EQ(LandmarkMapVerdict(map).trust, Confidence::kNone);
+  map.PutVector<double>("map/landmark_x_m", {});
+  EXPECT_TRUE(TextOf(map).ends_with("has no solution, the path is odometry's")) << TextOf(map);
 }
 
 TEST(LandmarkMapVerdict, AVagueMapIsNotHigh) {

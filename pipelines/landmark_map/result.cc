@@ -85,6 +85,19 @@ Anchor Between(const RobotSteps& steps, int s, const Anchor& a, const Anchor& b,
   return middle;
 }
 
+// Of a robot without any landmark: what a search supposed of its odometry nothing confirms.
+std::vector<Blob> DeadReckoned(const RobotSteps& steps, const std::vector<Blob>& summaries) {
+  Blob all;
+  const std::vector<double> straight(static_cast<std::size_t>(steps.size()), 0.0);
+  for (const std::string of : {"pose/", "pose/mode_"}) {
+    all.PutVector(of + "x_m", steps.odo_x_m);
+    all.PutVector(of + "y_m", steps.odo_y_m);
+    all.PutVector(of + "heading_rad", straight);
+  }
+  all.PutVector("pose/covariance", Joined(summaries, "pose/covariance"));
+  return {std::move(all)};
+}
+
 // The path of one robot: its steps, and controls between them at least `spacing_m` apart.
 class PathWriter {
  public:
@@ -338,6 +351,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   std::vector<Landmark>& landmarks = map.landmarks;
   const JointRefinement& refined = map.refined;
   const std::vector<RefinedPath>& paths = refined.paths.empty() ? map.contact_paths : refined.paths;
+  const bool is_lost = landmarks.empty() && !IsGivenMap(inputs, counts);
   Blob result;
   result.Put("robots", log.robots.array());
   result.Put("landmarks", log.landmarks.array());
@@ -347,13 +361,13 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
     const std::string prefix = "robot/" + std::to_string(r) + "/";
     const Odometry track = Until(Integrate(log.robot[r].odometry, robots[r]), settings.steps.until_s);
     const std::vector<Blob> summaries = sum.SummariesOf(r);
-    PathWriter(steps[r], track, summaries, odometry[r].drift_rad_per_m, 0.5 * settings.map.grid.cell_m,
-               settings.steps.until_s, paths.empty() ? nullptr : &paths[r])
+    const double em_drift_rad_per_m = is_lost ? 0.0 : odometry[r].drift_rad_per_m;
+    PathWriter(steps[r], track, is_lost ? DeadReckoned(steps[r], summaries) : summaries, em_drift_rad_per_m,
+               0.5 * settings.map.grid.cell_m, settings.steps.until_s, paths.empty() ? nullptr : &paths[r])
         .Write(prefix + "poses/", &result);
     PutAssociations(map.rows[r], prefix + "observations/", &result);
-    PutBeliefs(steps[r], summaries, settings, prefix + "beliefs/", &result);
-    const double drift_rad_per_m =
-        paths.empty() ? odometry[r].drift_rad_per_m : paths[r].errors().drift_rad_per_m;
+    if (!is_lost) PutBeliefs(steps[r], summaries, settings, prefix + "beliefs/", &result);
+    const double drift_rad_per_m = paths.empty() ? em_drift_rad_per_m : paths[r].errors().drift_rad_per_m;
     result.PutScalar<double>(prefix + "heading_drift_rad_per_m", drift_rad_per_m);
     result.PutScalar<double>(prefix + "heading_walk_rad_per_sqrt_m", odometry[r].heading_walk_rad_per_sqrt_m);
     result.PutScalar<double>(prefix + "turn_ratio", odometry[r].turn_ratio);
