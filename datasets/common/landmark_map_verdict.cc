@@ -446,7 +446,7 @@ Verdict LandmarkMapVerdict(const Blob& result) {
   if (RefinementRefused(result)) {
     const bool none = result.Has("map/landmark_x_m") && result.Get<double>("map/landmark_x_m").empty();
     verdict.why += "; refinement was " + NotRefined(result) +
-                   (none ? ", the path is odometry's" : ", the landmarks stand where EM left them");
+                   (none ? ", no landmark was found" : ", the landmarks stand where EM left them");
     if (OdometryContradicts(result)) verdict.trust = Confidence::kLow;
   }
   return verdict;

@@ -490,7 +490,7 @@ TEST(LandmarkMapVerdict, DataThatNoPathExplainsAreLow) {
   map.Put("refinement/reason", Array::Text("refused: the least squares has no solution"));
   EXPECT_EQ(LandmarkMapVerdict(map).trust, Confidence::kNone);
   map.PutVector<double>("map/landmark_x_m", {});
-  EXPECT_TRUE(TextOf(map).ends_with("has no solution, the path is odometry's")) << TextOf(map);
+  EXPECT_TRUE(TextOf(map).ends_with("has no solution, no landmark was found")) << TextOf(map);
 }
 
 TEST(LandmarkMapVerdict, AVagueMapIsNotHigh) {

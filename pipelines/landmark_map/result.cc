@@ -85,7 +85,7 @@ Anchor Between(const RobotSteps& steps, int s, const Anchor& a, const Anchor& b,
   return middle;
 }
 
-// Of a robot without any landmark: what a search supposed of its odometry nothing confirms.
+// Where a search found no landmark: what it supposed of the odometry nothing confirms.
 std::vector<Blob> DeadReckoned(const RobotSteps& steps, const std::vector<Blob>& summaries) {
   Blob all;
   const std::vector<double> straight(static_cast<std::size_t>(steps.size()), 0.0);
@@ -351,7 +351,7 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   std::vector<Landmark>& landmarks = map.landmarks;
   const JointRefinement& refined = map.refined;
   const std::vector<RefinedPath>& paths = refined.paths.empty() ? map.contact_paths : refined.paths;
-  const bool is_lost = landmarks.empty() && !IsGivenMap(inputs, counts);
+  const bool is_lost = landmarks.empty() && inputs.Has("search");
   Blob result;
   result.Put("robots", log.robots.array());
   result.Put("landmarks", log.landmarks.array());
