@@ -95,7 +95,8 @@ struct StepsOfTimes {
     const double by_chance = (across.same + 1) / (across.all + 1);
     const bool all_same = within.same == within.all;
     if (!all_same && within.Share() <= kAsOften * by_chance) return RepeatedSteps::kMotion;
-    if (most > kMostCopies || (whole_seconds && with == times)) return RepeatedSteps::kDetect;
+    if (most > kMostCopies) return whole_seconds ? RepeatedSteps::kMotion : RepeatedSteps::kDetect;
+    if (whole_seconds && with == times) return RepeatedSteps::kDetect;
     const bool tell_apart = all_same && (1 - by_chance) * within.all >= kLeastOthers;
     return tell_apart || within.Share() >= kOftener * by_chance ? RepeatedSteps::kCopies
                                                                 : RepeatedSteps::kDetect;

@@ -49,9 +49,9 @@ enum class RepeatedSteps { kDetect, kCopies, kMotion };
 // Leaves out, and counts, those that are copies. Where the clock is coarse, rows of one time are as often the
 // same as those of one time and the next: then they are motion. They are copies where they are so four times
 // as often; or where all rows of any one time are the same, and those of different times are not. Throws
-// InputError "FILE:LINE: `who`: …" where neither is so; where a step is there more than three times, or at
-// every time, all of them whole seconds. Of steps that only turn half are copies where
-// steps with a way are, at their time or the one before.
+// InputError "FILE:LINE: `who`: …" where neither is so; where a step is there more than three times (but
+// of whole seconds, where that is motion), or at every time, all of them whole seconds. Of steps that only
+// turn half are copies where steps with a way are, at their time or the one before.
 void LeaveOutRepeatedSteps(const std::string& who, RepeatedSteps are, Odometry* odometry,
                            ImportReport* report);
 
