@@ -25,7 +25,7 @@ build_packages=(
 )
 arm64_packages=(g++-aarch64-linux-gnu qemu-user)
 dev_packages=(
-  clang-19 clang-format-19 clang-tidy-19 ccache git
+  clang-19 libclang-rt-19-dev clang-format-19 clang-tidy-19 ccache git
   python3 python3-h5py python3-matplotlib python3-xxhash mypy # EndToEnd.python
   liboctomap-dev python3-yaml python3-pil # read back what is exported
   python3-rosbag python3-nav-msgs python3-sensor-msgs # EndToEnd.bag: write what is imported
