@@ -54,6 +54,10 @@ if(CAIRN_SANITIZE)
     # In libstdc++'s own std::stable_sort.
     $<$<CXX_COMPILER_ID:Clang>:-Wno-deprecated-declarations>)
   target_link_options(cairn_flags INTERFACE -fsanitize=${CAIRN_SANITIZE})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND NOT CAIRN_SANITIZE MATCHES "fuzzer")
+    # The runtime within the program would bring an operator new that allocations_testing.cc cannot replace.
+    target_link_options(cairn_flags INTERFACE -shared-libsan -frtlib-add-rpath)
+  endif()
   target_compile_definitions(cairn_flags INTERFACE CAIRN_SANITIZED)
 endif()
 
