@@ -56,7 +56,9 @@ if(CAIRN_SANITIZE)
   target_link_options(cairn_flags INTERFACE -fsanitize=${CAIRN_SANITIZE})
   if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND NOT CAIRN_SANITIZE MATCHES "fuzzer")
     # The runtime within the program would bring an operator new that allocations_testing.cc cannot replace.
-    target_link_options(cairn_flags INTERFACE -shared-libsan -frtlib-add-rpath)
+    execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-resource-dir OUTPUT_VARIABLE resources
+      OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+    target_link_options(cairn_flags INTERFACE -shared-libsan -Wl,-rpath,${resources}/lib/linux)
   endif()
   target_compile_definitions(cairn_flags INTERFACE CAIRN_SANITIZED)
 endif()
