@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <limits>
 #include <set>
 #include <string>
 #include <vector>
@@ -74,6 +75,26 @@ TEST(PartlyNamed, ARobotWithoutNamesIsPlacedByWhereLandmarksStand) {
     EXPECT_EQ(result->Scalar<std::int64_t>("robot/1/shared_landmarks"), 6) << first;
     EXPECT_GT(result->Scalar<double>("robot/1/place_lead_nats"), 10.0) << first;
   }
+}
+
+// It makes a landmark of its own, which goes, for nothing confirms it.
+TEST(PartlyNamed, AContactWithoutANameIsOfNoLandmarkThatOthersName) {
+  Blob log = PostsLog{.drift_rad_per_m = 0.002, .named = true}.Make();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::string seen = "robot/0/observations/";
+  const auto append = [&](const std::string& name, auto value) {
+    const auto before = log.Get<decltype(value)>(seen + name);
+    std::vector column(before.begin(), before.end());
+    column.push_back(value);
+    log.PutVector(seen + name, column);
+  };
+  append("time_s", log.Get<double>(seen + "time_s").back());
+  append("range_m", nan);
+  append("bearing_rad", nan);
+  append("landmark", std::int32_t{-1});
+  const BlobPtr result = PartlyNamedMap(log);
+  EXPECT_EQ(NamesIn(*result), (std::multiset<std::int32_t>{0, 1, 2, 3, 4, 5}));
+  EXPECT_EQ(result->Get<std::int32_t>(seen + "map_landmark").back(), -1);
 }
 
 // A robot that gives two names of the map is placed by these alone.

@@ -59,15 +59,16 @@ JointRefinement RefineWithAllRows(const kinds::Log& log, const std::vector<Assoc
   JointRefinement refined = RefineJointly(log, paths, *rows, settings, *landmarks);
   for (int k = 0; k < kAgain && refined.refused.empty(); ++k) {
     const ObservationNoise noise = FoundNoise(settings.observation_noise, refined.fit);
-    const auto told_apart = [&](const std::vector<Landmark>& among) {
+    const auto told_apart = [&](const std::vector<RowAssociations>& before,
+                                const std::vector<Landmark>& among) {
       std::vector<RowAssociations> now;
       for (std::size_t r = 0; r < paths.size(); ++r)
         now.push_back(
-            RowsSeenFrom(refined.paths[r], paths[r], *seen[r], among, noise, settings.steps.until_s));
+            RowsSeenFrom(refined.paths[r], before[r], *seen[r], among, noise, settings.steps.until_s));
       return now;
     };
     std::vector<Landmark> kept = *landmarks, among = refined.landmarks;
-    std::vector<RowAssociations> now = told_apart(among);
+    std::vector<RowAssociations> now = told_apart(*rows, among);
     const auto placed = PlacedRows(log, refined, now, settings.steps.until_s);
     // Where all have names, what is of none is what was left out, for its landmark was moved.
     const std::vector<Landmark> more =
@@ -77,12 +78,12 @@ JointRefinement RefineWithAllRows(const kinds::Log& log, const std::vector<Assoc
     if (!more.empty()) {
       kept.insert(kept.end(), more.begin(), more.end());
       among.insert(among.end(), more.begin(), more.end());
-      now = told_apart(among);
+      now = told_apart(now, among);
     }
     const std::vector<bool> keep = WithoutDoubles(among, settings.map.types, seen, now, reach_m);
     if (std::ranges::find(keep, false) != keep.end()) {
       Keep(keep, &among, &now);
-      now = told_apart(among);
+      now = told_apart(now, among);
       std::vector<RowAssociations> none;
       Keep(keep, &kept, &none);
     } else if (ShareThatChanged(*rows, now) <= kSettled) {

@@ -42,13 +42,12 @@ RowAssociations RowsOfEm(const AssociatedPath& path, const kinds::Log::Observati
   return rows;
 }
 
-RowAssociations RowsSeenFrom(const RefinedPath& refined, const AssociatedPath& path,
+RowAssociations RowsSeenFrom(const RefinedPath& refined, RowAssociations rows,
                              const kinds::Log::Observations& seen, const std::vector<Landmark>& landmarks,
                              const ObservationNoise& noise, double until_s) {
   const auto time = seen.time_s.values(), range = seen.range_m.values(), bearing = seen.bearing_rad.values();
   const auto identity = seen.landmark.values();
   const double missed = std::exp(-0.5 * kGateSigmas * kGateSigmas);
-  RowAssociations rows = RowsOfEm(path, seen, landmarks);
   for (std::size_t begin = 0, end = 0; begin < time.size() && time[begin] <= until_s; begin = end) {
     const RefinedPath::Pose pose = refined.At(time[begin]);
     std::vector<std::tuple<double, std::size_t, std::int32_t>> pairs;  // the best first

@@ -25,10 +25,10 @@ int LandmarkNamed(const std::vector<Landmark>& landmarks, int identity);
 RowAssociations RowsOfEm(const AssociatedPath& path, const kinds::Log::Observations& seen,
                          const std::vector<Landmark>& landmarks);
 
-// The same, but for range-bearing rows without a name: each is of that landmark which, seen from the refined
-// path, it is likelier of than of all others and none. An image shows no landmark twice; what it shows best
-// is given first.
-RowAssociations RowsSeenFrom(const RefinedPath& refined, const AssociatedPath& path,
+// The same `rows`, but for range-bearing ones without a name: each is of that landmark which, seen from the
+// refined path, it is likelier of than of all others and none. An image shows no landmark twice; what it
+// shows best is given first.
+RowAssociations RowsSeenFrom(const RefinedPath& refined, RowAssociations rows,
                              const kinds::Log::Observations& seen, const std::vector<Landmark>& landmarks,
                              const ObservationNoise& noise, double until_s);
 

@@ -52,11 +52,11 @@ TEST(RowsSeenFrom, GivesEveryImageItsLandmarksOnce) {
   const RowAssociations em = RowsOfEm(path, seen, landmarks);
   EXPECT_EQ(em.landmark, (std::vector<std::int32_t>{1, -1, -1, -1, 1, -1}));
   EXPECT_EQ(em.probability, (std::vector<double>{0.9, 0, 0, 0, 0.8, 0.7}));
-  const RowAssociations rows = RowsSeenFrom(Straight(), path, seen, landmarks, {0.3, 0.2, 0.05}, 100.0);
+  const RowAssociations rows = RowsSeenFrom(Straight(), em, seen, landmarks, {0.3, 0.2, 0.05}, 100.0);
   EXPECT_EQ(rows.landmark, (std::vector<std::int32_t>{0, 0, 1, -1, 1, -1}));
   EXPECT_GT(rows.probability[0], 0.5);
   EXPECT_EQ(rows.probability[3], 0.0);
-  EXPECT_EQ(RowsSeenFrom(Straight(), path, seen, landmarks, {0.3, 0.2, 0.05}, 3.0).landmark[1], -1)
+  EXPECT_EQ(RowsSeenFrom(Straight(), em, seen, landmarks, {0.3, 0.2, 0.05}, 3.0).landmark[1], -1)
       << "the data end before";
 }
 
