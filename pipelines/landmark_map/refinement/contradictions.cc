@@ -37,6 +37,16 @@ std::vector<Landmark> Places(const Layer& count, const MapRules& rules) {
   return places;
 }
 
+// How many of them lie around the one that most lie around.
+std::size_t MostTogether(const std::vector<Eigen::Vector2d>& places, double near_m) {
+  std::size_t most = 0;
+  for (const Eigen::Vector2d& one : places)
+    most = std::max(
+        most, static_cast<std::size_t>(std::ranges::count_if(
+                  places, [&](const Eigen::Vector2d& other) { return (one - other).norm() <= near_m; })));
+  return most;
+}
+
 // What the log shows that may be the cause.
 std::string CausesIn(const Blob& log) {
   std::string text;
@@ -117,10 +127,14 @@ std::vector<InTwoPlaces> StillInTwoPlaces(const std::vector<InTwoPlaces>& found,
       still.push_back(landmark);
       continue;
     }
-    const std::vector<double>& off_m = fit->off_m[static_cast<std::size_t>(at - landmarks.begin())];
-    const auto elsewhere = static_cast<double>(
-        std::ranges::count_if(off_m, [&](double off) { return off > 0.25 * landmark.apart_m; }));
-    if (elsewhere >= std::max(kLeastElsewhere, kShareElsewhere * static_cast<double>(off_m.size())))
+    const std::vector<Eigen::Vector2d>& off_m = fit->off_m[static_cast<std::size_t>(at - landmarks.begin())];
+    const double near_m = 0.25 * landmark.apart_m;
+    std::vector<Eigen::Vector2d> elsewhere;
+    for (const Eigen::Vector2d& off : off_m)
+      if (off.norm() > near_m) elsewhere.push_back(off);
+    const double many = std::max(kLeastElsewhere, kShareElsewhere * static_cast<double>(off_m.size()));
+    if (static_cast<double>(elsewhere.size()) >= many &&
+        2 * MostTogether(elsewhere, near_m) > elsewhere.size())
       still.push_back(landmark);
   }
   return still;

@@ -23,7 +23,8 @@ std::vector<InTwoPlaces> LandmarksInTwoPlaces(const LayeredGrid& counts, const M
                                               const Blob& log);
 
 // Of those that EM finds in two places, least squares may find the one: where all but a quarter of a
-// landmark's observations lie within a quarter of the way from one to the other.
+// landmark's observations lie within a quarter of the way from one to the other, or most of that quarter lies
+// scattered, as false observations do, and not in a place.
 // Those that stay in two. `fit`: nullptr where there was no least squares.
 std::vector<InTwoPlaces> StillInTwoPlaces(const std::vector<InTwoPlaces>& found,
                                           const std::vector<Landmark>& landmarks, const ModelFit* fit);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "pipelines/landmark_map/landmark_map.h"
 #include "pipelines/landmark_map/testing.h"
@@ -92,14 +93,28 @@ TEST(StillInTwoPlaces, LeastSquaresFindsTheOneOrDoesNot) {
   landmarks[0].type = 0;
   landmarks[1].type = 1;
   ModelFit fit;
-  fit.off_m = {std::vector<double>(16, 9.0), std::vector<double>(16, 1.9)};
-  std::fill_n(fit.off_m[1].begin(), 3, 2.1);
+  const Eigen::Vector2d far(9.0, 0.0), near(1.9, 0.0), further(2.1, 0.0);
+  fit.off_m = {std::vector(16, far), std::vector(16, near)};
+  std::fill_n(fit.off_m[1].begin(), 3, further);
   EXPECT_TRUE(StillInTwoPlaces({}, landmarks, nullptr).empty());
   EXPECT_TRUE(StillInTwoPlaces(found, landmarks, &fit).empty());
-  fit.off_m[1][3] = 2.1;
+  fit.off_m[1][3] = further;
   EXPECT_EQ(StillInTwoPlaces(found, landmarks, &fit).size(), 1U);
   EXPECT_EQ(StillInTwoPlaces(found, landmarks, nullptr).size(), 1U);
   landmarks.pop_back();
+  EXPECT_EQ(StillInTwoPlaces(found, landmarks, &fit).size(), 1U);
+}
+
+// Of twenty observations eight are false, and fall anywhere.
+TEST(StillInTwoPlaces, FalseObservationsAreNoPlace) {
+  const std::vector<InTwoPlaces> found{{0, 8.0, "two places", {}, {}}};
+  std::vector<Landmark> landmarks(1);
+  ModelFit fit;
+  fit.off_m = {std::vector(20, Eigen::Vector2d(0.1, 0.0))};
+  for (int k = 0; k < 8; ++k)
+    fit.off_m[0][static_cast<std::size_t>(k)] = {6.0 * std::cos(k), 6.0 * std::sin(k)};
+  EXPECT_TRUE(StillInTwoPlaces(found, landmarks, &fit).empty());
+  for (int k = 0; k < 5; ++k) fit.off_m[0][static_cast<std::size_t>(k)] = {5.0, 5.0};
   EXPECT_EQ(StillInTwoPlaces(found, landmarks, &fit).size(), 1U);
 }
 

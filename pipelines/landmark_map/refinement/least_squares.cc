@@ -122,15 +122,14 @@ std::vector<std::vector<double>> EdgeSigmas(const LeastSquaresProblem& problem,
   return sigmas;
 }
 
-std::vector<std::vector<double>> SightingErrors_m(const LeastSquaresProblem& problem,
-                                                  const LeastSquaresPoint& point) {
-  std::vector<std::vector<double>> errors_m(point.landmarks.size());
+std::vector<std::vector<Eigen::Vector2d>> SightingErrors_m(const LeastSquaresProblem& problem,
+                                                           const LeastSquaresPoint& point) {
+  std::vector<std::vector<Eigen::Vector2d>> errors_m(point.landmarks.size());
   for (const Sighting& seen : problem.sightings) {
     const auto robot = static_cast<std::size_t>(seen.robot), node = static_cast<std::size_t>(seen.node),
                landmark = static_cast<std::size_t>(seen.landmark);
-    errors_m[landmark].push_back(
-        (PlaceSeen(point.nodes[robot][node], seen, point.errors[robot].range_m) - point.landmarks[landmark])
-            .norm());
+    errors_m[landmark].push_back(PlaceSeen(point.nodes[robot][node], seen, point.errors[robot].range_m) -
+                                 point.landmarks[landmark]);
   }
   return errors_m;
 }

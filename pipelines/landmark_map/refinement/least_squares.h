@@ -106,8 +106,8 @@ std::vector<double> SightingSigmas(const LeastSquaresProblem& problem, const Lea
 // The same of each robot's motions from node to node, in all three of their errors together.
 std::vector<std::vector<double>> EdgeSigmas(const LeastSquaresProblem& problem,
                                             const LeastSquaresPoint& point);
-// How far from each landmark its sightings see it [m].
-std::vector<std::vector<double>> SightingErrors_m(const LeastSquaresProblem& problem,
-                                                  const LeastSquaresPoint& point);
+// From each landmark to where its sightings see it [m].
+std::vector<std::vector<Eigen::Vector2d>> SightingErrors_m(const LeastSquaresProblem& problem,
+                                                           const LeastSquaresPoint& point);
 
 }  // namespace cairn::landmark_map

@@ -53,7 +53,8 @@ struct ModelFit {
   // The landmark that most misfits are of, the first of several; -1: there are no misfits.
   std::int32_t misfit_landmark = -1;
   std::int64_t landmark_misfits = 0, landmark_observations = 0;
-  std::vector<std::vector<double>> off_m;  // of each landmark: how far from it its observations see it
+  std::vector<std::vector<Eigen::Vector2d>>
+      off_m;  // of each landmark: from it to where its observations see it
 
   // As schema/FORMAT.md has it, under `fit/`; without `off_m`. `landmarks`: those that it is of; only the
   // first `types` types have names.
