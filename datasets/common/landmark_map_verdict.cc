@@ -71,7 +71,15 @@ Verdict SearchVerdict(const Blob& result, std::size_t robots, bool at_a_distance
   verdict.numbers = {{"starts", search.starts.Or(0)}, {"starts_that_found_it", search.support.Or(0)}};
   if (const auto lead = search.lead_nats.Optional()) verdict.numbers.emplace_back("lead_nats", *lead);
   const std::string found = FoundText(search);
-  if (search.starts.Or(0) == 1) {
+  if (result.Has("refinement/along_odometry")) {
+    verdict.trust = Confidence::kLow;
+    verdict.why =
+        "no map that the search found explains the observations; this one lies along odometry, so that what "
+        "the "
+        "robot came back to may be there twice, and its path may be no better than odometry's: names of some "
+        "landmarks would tell, or how the odometry errs (--heading-drift-rad-per-m, "
+        "--heading-walk-rad-per-sqrt-m)";
+  } else if (search.starts.Or(0) == 1) {
     verdict.why = "EM started once, no other map to compare with";
     if (search.why) verdict.why += " (" + search.why.Scalar() + ")";
   } else if (at_a_distance) {

@@ -493,6 +493,14 @@ TEST(LandmarkMapVerdict, DataThatNoPathExplainsAreLow) {
   EXPECT_TRUE(TextOf(map).ends_with("has no solution, no landmark was found")) << TextOf(map);
 }
 
+TEST(LandmarkMapVerdict, AMapAlongOdometryIsLow) {
+  Blob map = Searched(12, 57.25);
+  map.PutScalar<std::uint8_t>("refinement/along_odometry", 1);
+  EXPECT_TRUE(TextOf(map).starts_with(
+      "low: no map that the search found explains the observations; this one lies along odometry"))
+      << TextOf(map);
+}
+
 TEST(LandmarkMapVerdict, AVagueMapIsNotHigh) {
   const auto spread = [](double sd_m, double extent_m = 10) {
     Blob map = FittedMap(200, 0, 0, 0);

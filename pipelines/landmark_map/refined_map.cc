@@ -10,6 +10,7 @@
 #include "pipelines/landmark_map/estimate.h"
 #include "pipelines/landmark_map/landmarks/image_landmarks.h"
 #include "pipelines/landmark_map/model/m_step.h"
+#include "pipelines/landmark_map/refinement/along_odometry.h"
 #include "pipelines/landmark_map/refinement/robot_ties.h"
 #include "pipelines/landmark_map/refinement/seen_beside.h"
 
@@ -172,9 +173,20 @@ RefinedMap RefineMapOf(const Blob& blob, const Settings& settings, const Inputs&
   map.moved =
       RefineAllThatStayed(blob, paths, settings, in_two_places, refines, &map.found, &map.rows, &map.refined);
   const auto is_named = [&](const Landmark& landmark) { return landmark.type < settings.map.types; };
-  if (refines && map.refined.refused.empty() && paths.size() == 1 && settings.map.classes.count == 1 &&
-      std::ranges::none_of(map.found, is_named))
-    map.shift = WeighShifts(log, paths, settings, &map.found, &map.rows, &map.refined);
+  if (refines && paths.size() == 1 && settings.map.classes.count == 1 &&
+      std::ranges::none_of(map.found, is_named)) {
+    std::optional<FittedMap> along;
+    if (inputs.Has("search"))
+      along = BetterAlongOdometry({paths, map.found, map.rows, map.refined}, log, map.steps, settings);
+    if (along) {
+      map.along_odometry = true;
+      map.found = std::move(along->landmarks);
+      map.rows = std::move(along->rows);
+      map.refined = std::move(along->refined);
+    }
+    if (map.refined.refused.empty() && !map.along_odometry)
+      map.shift = WeighShifts(log, paths, settings, &map.found, &map.rows, &map.refined);
+  }
   if (refines) {
     map.landmarks = map.refined.landmarks;
     map.covariance = map.refined.covariance;

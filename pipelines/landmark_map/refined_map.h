@@ -26,7 +26,8 @@ struct RefinedMap {
   std::vector<RefinedPath> contact_paths;
   std::vector<MovedLandmark> moved;
   std::optional<WeighedShift> shift;
-  std::string not_refined;  // why the landmarks are not those of the least squares; empty: they are
+  bool along_odometry = false;  // the search's own map explained less
+  std::string not_refined;      // why the landmarks are not those of the least squares; empty: they are
 };
 
 // The State's.

@@ -401,14 +401,16 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
   PutLandmarks(landmarks, settings.map, &result);
   PutJointCovariance(map.covariance, &result);
   PutNamesThatAreMissing(log, landmarks, settings.steps.until_s, &result);
-  const bool shifted = map.shift && map.shift->taken;  // EM counted elsewhere
-  const LayeredGrid final_counts = refined.paths.empty() ? counts
-                                   : shifted             ? CountsFromLandmarks(landmarks, settings)
-                                                         : Recentred(counts, map.found, landmarks, settings);
+  const bool counted_elsewhere = map.along_odometry || (map.shift && map.shift->taken);
+  const LayeredGrid final_counts = counted_elsewhere ? CountsFromLandmarks(landmarks, settings)
+                                   : refined.paths.empty()
+                                       ? counts
+                                       : Recentred(counts, map.found, landmarks, settings);
   PutMap(FinalMap(blob, settings, inputs, final_counts), settings.map, &result);
   result.PutAll("history/", history);
   result.PutScalar<std::uint8_t>("refinement/done", map.not_refined.empty() ? 1 : 0);
   result.Put("refinement/reason", Array::Text(map.not_refined));
+  if (map.along_odometry) result.PutScalar<std::uint8_t>("refinement/along_odometry", 1);
   if (const auto doubts = ConstantObservationsOf(blob); !doubts.empty())
     result.Put("observation_doubts", Array::Texts(doubts));
   if (!refined.paths.empty()) PutFit(log, refined.fit.ToBlob(refined.landmarks, settings.map.types), &result);

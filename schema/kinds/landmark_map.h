@@ -223,7 +223,7 @@ struct LandmarkMap {
   std::vector<Robot> robot;
   Map map;
   History history;
-  Column<std::uint8_t> refinement_done;
+  Column<std::uint8_t> refinement_done, refinement_along_odometry;
   Search search;
   Fit fit;
   Moved moved;
@@ -241,6 +241,7 @@ struct LandmarkMap {
     field("history", &LandmarkMap::history);
     field({"refinement/done", "", YesNo()}, &LandmarkMap::refinement_done);
     field({"refinement/reason", ""}, &LandmarkMap::refinement_reason);
+    field({"refinement/along_odometry", "", YesNo()}, &LandmarkMap::refinement_along_odometry);
     field({"observation_doubts", "D"}, &LandmarkMap::observation_doubts);
     field({"missing_landmarks", "N", IndexInto("landmarks")}, &LandmarkMap::missing_landmarks);
     field("search", &LandmarkMap::search);

@@ -128,7 +128,8 @@ TEST(FleetFaults, KilledWholeAndResumedEqualsUndisturbed) {
   for (std::uint64_t round : {0u, 100u, 250u, 500u}) {
     constexpr int kEnded = 0, kRefused = 1;
     int status = 0;
-    do {  // again where a worker that the one before had forked, and that is not yet itself, still holds its lock
+    do {  // again where a worker that the one before had forked, and that is not yet itself, still holds its
+          // lock
       const pid_t child = ::fork();
       if (child == 0) {
         const EmbeddedResult result = fleet.Run([round](const EmbeddedProgress& progress) {

@@ -1,5 +1,6 @@
 #include "pipelines/landmark_map/refinement/along_odometry.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "pipelines/landmark_map/landmarks/image_landmarks.h"
@@ -8,6 +9,8 @@
 
 namespace cairn::landmark_map {
 
+namespace {
+
 bool ExplainsLittle(const FittedMap& map) {
   constexpr double kMany = 0.2;
   if (!map.refined.refused.empty()) return map.refined.refused == kinds::kOdometryWrongByHalf;
@@ -15,6 +18,8 @@ bool ExplainsLittle(const FittedMap& map) {
   for (const RowAssociations& robot : map.rows) rows += static_cast<double>(robot.landmark.size());
   return static_cast<double>(RowsOfNone(map.rows)) > kMany * rows;
 }
+
+}  // namespace
 
 FittedMap LaidAlongOdometry(const kinds::Log& log, const std::vector<RobotSteps>& steps,
                             const Settings& settings) {
@@ -56,6 +61,24 @@ std::optional<double> BehindOdometry(const FittedMap& map, const FittedMap& alon
     return CostBeside(of.refined, beside.refined) + kOfNoLandmark_nats * static_cast<double>(unexplained);
   };
   return cost(map, along) - cost(along, map);
+}
+
+std::optional<FittedMap> BetterAlongOdometry(const FittedMap& of_search, const kinds::Log& log,
+                                             const std::vector<RobotSteps>& steps, const Settings& settings) {
+  constexpr double kClear_nats = 10;
+  if (!ExplainsLittle(of_search)) return std::nullopt;
+  FittedMap along = LaidAlongOdometry(log, steps, settings);
+  if (const auto behind_nats = BehindOdometry(of_search, along))
+    return *behind_nats < kClear_nats ? std::nullopt : std::optional(std::move(along));
+  if (of_search.refined.refused.empty()) return std::nullopt;
+  FittedMap none = of_search;
+  none.landmarks.clear();
+  none.refined.landmarks.clear();
+  for (RowAssociations& robot : none.rows) {
+    std::ranges::fill(robot.landmark, -1);
+    std::ranges::fill(robot.probability, 0.0);
+  }
+  return none;
 }
 
 }  // namespace cairn::landmark_map

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "pipelines/common/odometry.h"
+#include "pipelines/landmark_map/refinement/fitted_map.h"
 #include "pipelines/landmark_map/refinement/robot_ties.h"
 
 namespace cairn::landmark_map {
@@ -135,34 +136,10 @@ void AddShiftsOf(const Piece& piece, const RobotRows& rows, double sigma_m, std:
   }
 }
 
-// The problem with the wider of both widths of each kind, and the heavier tails: what one map needs the other
-// may have, too.
-LeastSquaresProblem WithWiderOf(LeastSquaresProblem problem, const LeastSquaresProblem& other) {
-  const auto widen = [](double* width, double than) { *width = std::max(*width, than); };
-  for (std::size_t r = 0; r < problem.widths.size(); ++r) {
-    widen(&problem.widths[r].walk_rad_per_sqrt_m, other.widths[r].walk_rad_per_sqrt_m);
-    widen(&problem.widths[r].turn_rad_per_sqrt_rad, other.widths[r].turn_rad_per_sqrt_rad);
-    widen(&problem.widths[r].way_m_per_sqrt_m, other.widths[r].way_m_per_sqrt_m);
-  }
-  widen(&problem.noise.range_m, other.noise.range_m);
-  widen(&problem.noise.bearing_rad, other.noise.bearing_rad);
-  problem.tail_sigmas = std::min(problem.tail_sigmas, other.tail_sigmas);
-  widen(&problem.repeats.along, other.repeats.along);
-  widen(&problem.repeats.across, other.repeats.across);
-  return problem;
-}
-
-struct ShiftedMap {
-  std::vector<AssociatedPath> paths;
-  std::vector<Landmark> landmarks;
-  std::vector<RowAssociations> rows;
-  JointRefinement refined;
-};
-
 // The map with what was seen in that time moved, fitted from there. Where the robot began it begins again.
-ShiftedMap ShiftedBy(const Shift& shift, const kinds::Log& log, const Settings& settings,
-                     const ShiftedMap& map) {
-  ShiftedMap shifted{map.paths, map.refined.landmarks, map.rows, {}};
+FittedMap ShiftedBy(const Shift& shift, const kinds::Log& log, const Settings& settings,
+                    const FittedMap& map) {
+  FittedMap shifted{map.paths, map.refined.landmarks, map.rows, {}};
   const auto holds = [&](double time_s) { return time_s >= shift.from_s && time_s <= shift.until_s; };
   const auto time_s = log.robot[0].observations.time_s.values();
   std::vector<bool> elsewhere(map.landmarks.size(), false);  // it is seen out of that time, too
@@ -204,19 +181,16 @@ ShiftedMap ShiftedBy(const Shift& shift, const kinds::Log& log, const Settings& 
 }
 
 // By how many nats the map is ahead of the other one.
-double LeadOver(const ShiftedMap& other, const ShiftedMap& map, const Shift& shift, const kinds::Log& log,
+double LeadOver(const FittedMap& other, const FittedMap& map, const Shift& shift, const kinds::Log& log,
                 const Settings& settings, double sigma_m) {
-  constexpr double kOfNoLandmark = 8;  // nats of a row, as row_associations.cc has it
-  const auto none = [](const ShiftedMap& of) {
-    return kOfNoLandmark * static_cast<double>(std::ranges::count(of.rows[0].landmark, -1));
+  const auto none = [](const FittedMap& of) {
+    return kOfNoLandmark_nats * static_cast<double>(RowsOfNone(of.rows));
   };
-  const auto in_common = [&](const ShiftedMap& of) {
+  const auto in_common = [&](const FittedMap& of) {
     return NatsOfParts(PlacedRows(log, of.refined, of.rows, settings.steps.until_s)[0], shift, sigma_m);
   };
-  const auto cost = [](const ShiftedMap& of, const ShiftedMap& or_of) {
-    return Descend(WithWiderOf(of.refined.problem, or_of.refined.problem), of.refined.point).cost;
-  };
-  return cost(other, map) + none(other) - in_common(other) - cost(map, other) - none(map) + in_common(map);
+  return CostBeside(other.refined, map.refined) + none(other) - in_common(other) -
+         CostBeside(map.refined, other.refined) - none(map) + in_common(map);
 }
 
 }  // namespace
@@ -238,7 +212,7 @@ std::optional<WeighedShift> WeighShifts(const kinds::Log& log, const std::vector
   constexpr int kRounds = 3;
   constexpr double kTaken_nats = 3;  // by less it is as likely EM's that is right
   const Odometry odometry = Integrate(log.robot[0].odometry, log.robots[0]);
-  ShiftedMap map{paths, *landmarks, *rows, *refined};
+  FittedMap map{paths, *landmarks, *rows, *refined};
   std::optional<WeighedShift> weighed;
   for (int round = 0; round < kRounds; ++round) {
     const RobotRows placed = PlacedRows(log, map.refined, map.rows, settings.steps.until_s)[0];
@@ -246,10 +220,10 @@ std::optional<WeighedShift> WeighShifts(const kinds::Log& log, const std::vector
     if (!(sigma_m > 0)) break;
     std::vector<double> way_m;
     for (const PlacedRow& row : placed) way_m.push_back(PoseAt(odometry, row.time_s).path_m);
-    std::optional<ShiftedMap> best;
+    std::optional<FittedMap> best;
     double least_nats = std::numeric_limits<double>::infinity();
     for (const Shift& shift : FindShifts(placed, way_m, sigma_m)) {
-      ShiftedMap other = ShiftedBy(shift, log, settings, map);
+      FittedMap other = ShiftedBy(shift, log, settings, map);
       if (!other.refined.refused.empty()) continue;
       const double lead_nats = LeadOver(other, map, shift, log, settings, sigma_m);
       if (!(lead_nats < least_nats)) continue;
