@@ -7,7 +7,6 @@ import json
 import os
 import shutil
 import subprocess
-import tempfile
 import tracemalloc
 import unittest
 import warnings
@@ -17,6 +16,7 @@ from typing import Any
 from unittest import mock
 
 import cairn
+import folder_case
 import h5py
 import numpy as np
 from cairn.checksum import xxh3_128
@@ -31,22 +31,14 @@ except ImportError:
     xxhash = None
 
 
-class PackageTest(unittest.TestCase):
-    """In a folder with a log of two robots and a map of it."""
+class PackageTest(folder_case.FolderCase):
+    """In a folder with a map of the log, too."""
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.before = os.getcwd()
-        cls.folder = tempfile.TemporaryDirectory()
-        os.chdir(cls.folder.name)
-        cairn.command("simulate", "loop", "--difficulty", "paper", "--robots", "2", "--seed", "7", "log.h5")
+        super().setUpClass()
         cls.run_of_map = cairn.run("landmark_map", "log.h5", out="map", options={"iterations": 2, "starts": 1}, workers=1)
         warnings.simplefilter("error")
-
-    @classmethod
-    def tearDownClass(cls) -> None:
-        os.chdir(cls.before)
-        cls.folder.cleanup()
 
     def refused(self, pattern: str, call, *arguments, error=cairn.InputError, **named) -> None:
         with self.assertRaisesRegex(error, pattern) as caught:

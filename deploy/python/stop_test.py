@@ -7,7 +7,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 import unittest
@@ -15,23 +14,10 @@ from pathlib import Path
 from unittest import mock
 
 import cairn
+import folder_case
 
 
-class StopTest(unittest.TestCase):
-    """In a folder with a log of two robots."""
-
-    @classmethod
-    def setUpClass(cls) -> None:
-        cls.before = os.getcwd()
-        cls.folder = tempfile.TemporaryDirectory()
-        os.chdir(cls.folder.name)
-        cairn.command("simulate", "loop", "--difficulty", "paper", "--robots", "2", "--seed", "7", "log.h5")
-
-    @classmethod
-    def tearDownClass(cls) -> None:
-        os.chdir(cls.before)
-        cls.folder.cleanup()
-
+class StopTest(folder_case.FolderCase):
     def test_an_interrupt_waits_until_the_program_has_saved_what_it_had(self) -> None:
         os.makedirs("fake", exist_ok=True)
         fake = Path("fake/cairn")
