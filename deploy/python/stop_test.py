@@ -88,6 +88,18 @@ class StopTest(folder_case.FolderCase):
         self.assertTrue(any(Path("ended").glob(".cairn/checkpoints/*/*.h5")))
         self.assertFalse(Path("ended/.cairn/jobs.sqlite-wal").exists(), "it ended in order, by no write to a pipe")
 
+    def test_a_folder_that_another_run_has_is_busy(self) -> None:
+        job = {"options": {"iterations": 10000, "starts": 100}, "workers": 1, "out": "busy"}
+        with self.python(f"import cairn; cairn.run('landmark_map', 'log.h5', **{job})", ".") as process:
+            self.until(lambda: any(Path("busy").glob(".cairn/*.sqlite")))
+            with self.assertRaisesRegex(cairn.BusyError, "in use by another cairn process") as caught:
+                cairn.run("landmark_map", "log.h5", **job)
+            self.assertEqual(caught.exception.exit_code, 2)
+            process.send_signal(signal.SIGINT)
+        with self.assertRaises(cairn.InputError) as caught:
+            cairn.run("landmark_map", "nowhere.h5")
+        self.assertNotIsInstance(caught.exception, cairn.BusyError)
+
 
 if __name__ == "__main__":
     unittest.main()

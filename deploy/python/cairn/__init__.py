@@ -18,11 +18,12 @@ try:
 except ImportError as _error:
     raise ImportError("cairn needs h5py and numpy: apt install python3-h5py, or pip install h5py") from _error
 
-from .errors import CairnError, InputError
+from .errors import BusyError, CairnError, InputError
 from .files import File, Poses, read
 from .program import Run, command, evaluate, run, submit, submit_each
 
 __all__ = [
+    "BusyError",
     "CairnError",
     "File",
     "InputError",

@@ -16,3 +16,7 @@ class CairnError(Exception):
 
 class InputError(CairnError, ValueError):
     """The input is not as it should be: a damaged file, an option that is not known, a log without truth."""
+
+
+class BusyError(InputError):
+    """A folder, or a file, is in use by another process: the same call may be right once that has ended."""

@@ -13,11 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Union
 
-from .errors import CairnError, InputError
+from .errors import BusyError, CairnError, InputError
 from .files import File, read
 
 PathLike = Union[str, "os.PathLike[str]"]
 _BAD_INPUT = 2  # an exit code
+_BUSY = (" is in use by another ", ": locked by a program that writes to it")  # said with it
 
 
 def command(*words: PathLike) -> Any:
@@ -26,8 +27,8 @@ def command(*words: PathLike) -> Any:
     A path that may begin with '-' is no option as a Path, or behind the word "--". What it warns of becomes Python's
     warnings. An interrupt (Ctrl-C), or what else a handler of signals raises, stops the program, and waits until that has
     saved what it had; an interrupt meanwhile ends it at once. It ends with Python, too.
-    Raises InputError where the program ends with exit code 2, CairnError with any other, or where it says no JSON; the
-    message is the program's.
+    Raises InputError where the program ends with exit code 2 (BusyError, where it says that another process has the folder
+    or file), CairnError with any other, or where it says no JSON; the message is the program's.
     """
     program = shutil.which("cairn")
     if program is None:
@@ -57,7 +58,13 @@ def command(*words: PathLike) -> Any:
             return json.loads(said)
         except ValueError:
             raise CairnError(f"{' '.join(line)}: what it says is no JSON") from None
-    raise (InputError if process.returncode == _BAD_INPUT else CairnError)(failure, process.returncode)
+    raise _error_of(failure, process.returncode)
+
+
+def _error_of(failure: str, exit_code: int) -> CairnError:
+    if exit_code != _BAD_INPUT:
+        return CairnError(failure, exit_code)
+    return (BusyError if any(words in failure for words in _BUSY) else InputError)(failure, exit_code)
 
 
 def _stop(process: subprocess.Popen[bytes]) -> None:
