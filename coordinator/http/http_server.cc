@@ -15,6 +15,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <string_view>
 
 #include "coordinator/http/listen.h"
 #include "schema/wire/system_calls.h"
@@ -62,6 +63,18 @@ MHD_Result TakePart(void* upload, MHD_ValueKind, const char* field, const char* 
   }
 }
 
+// The library takes 64 bytes for each argument, of the memory in which the head lies. Where that is short it
+// (0.9.75) makes an answer that never goes out, and the connection stands until it is too silent.
+bool TakesTooMuch(std::string_view uri, std::size_t head_bytes) {
+  constexpr std::size_t kBytesPerArgument = 64, kShare = 4;
+  if (uri.find('?') == std::string_view::npos) return false;
+  const auto arguments = 1 + static_cast<std::size_t>(std::ranges::count(uri, '&'));
+  return uri.size() + kBytesPerArgument * arguments > head_bytes / kShare;
+}
+
+// In place of an Exchange: of a request that has its answer, and of which nothing more comes to pass.
+char refused = 0;
+
 MHD_Response* ResponseOfFile(const std::filesystem::path& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
   struct stat facts{};
@@ -108,6 +121,7 @@ struct HttpServer::Impl : std::enable_shared_from_this<HttpServer::Impl> {
   MHD_Response* StreamTo(MHD_Connection* connection, std::shared_ptr<HttpStream> stream);
   void End();
 
+  static void* OnUri(void* self, const char* uri, MHD_Connection* connection);
   static MHD_Result OnRequest(void* self, MHD_Connection* connection, const char* path, const char* method,
                               const char* version, const char* data, std::size_t* size, void** exchange);
   static void OnCompleted(void* self, MHD_Connection* connection, void** exchange,
@@ -277,11 +291,23 @@ MHD_Result HttpServer::Impl::Go(MHD_Connection* connection, Exchange& exchange) 
   return Queue(connection, answer);
 }
 
+// Before the library has taken the arguments.
+void* HttpServer::Impl::OnUri(void* self, const char* uri, MHD_Connection* connection) {
+  if (!TakesTooMuch(uri, static_cast<Impl*>(self)->limits.head_bytes)) return nullptr;
+  constexpr std::string_view kAnswer =
+      "HTTP/1.1 414 URI Too Long\r\nConnection: close\r\nContent-Type: text/plain\r\n\r\n"
+      "those are too many arguments\n";
+  static_cast<void>(::send(SocketOf(connection), kAnswer.data(), kAnswer.size(), MSG_NOSIGNAL));
+  ::shutdown(SocketOf(connection), SHUT_RDWR);
+  return &refused;
+}
+
 MHD_Result HttpServer::Impl::OnRequest(void* self, MHD_Connection* connection, const char* path,
                                        const char* method, const char*, const char* data, std::size_t* size,
                                        void** exchange) {
   try {
     Impl& server = *static_cast<Impl*>(self);
+    if (*exchange == &refused) return MHD_NO;
     if (*exchange == nullptr) {
       auto fresh = std::make_shared<Exchange>(server.shared_from_this(), connection);
       fresh->request = HeadOf(connection, path, method);
@@ -305,6 +331,7 @@ MHD_Result HttpServer::Impl::OnRequest(void* self, MHD_Connection* connection, c
 }
 
 void HttpServer::Impl::OnCompleted(void* self, MHD_Connection*, void** exchange, MHD_RequestTerminationCode) {
+  if (*exchange == &refused) return;
   const std::unique_ptr<std::shared_ptr<Exchange>> owner(static_cast<std::shared_ptr<Exchange>*>(*exchange));
   *exchange = nullptr;
   if (!owner) return;
@@ -358,13 +385,13 @@ Result<std::unique_ptr<HttpServer>> HttpServer::Listen(const std::string& addres
   impl->uploads = std::move(uploads);
   wire::LeaveAlone(socket.value());
   // Room for as many again that were told to go and have not yet.
-  impl->daemon =
-      MHD_start_daemon(MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr,
-                       &Impl::OnRequest, impl.get(), MHD_OPTION_LISTEN_SOCKET, socket.value(),
-                       MHD_OPTION_CONNECTION_LIMIT, 2 * limits.connections + limits.streams,
-                       MHD_OPTION_CONNECTION_TIMEOUT, limits.silent_s, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
-                       limits.head_bytes, MHD_OPTION_NOTIFY_CONNECTION, &Impl::OnConnection, impl.get(),
-                       MHD_OPTION_NOTIFY_COMPLETED, &Impl::OnCompleted, impl.get(), MHD_OPTION_END);
+  impl->daemon = MHD_start_daemon(
+      MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME, 0, nullptr, nullptr, &Impl::OnRequest,
+      impl.get(), MHD_OPTION_LISTEN_SOCKET, socket.value(), MHD_OPTION_CONNECTION_LIMIT,
+      2 * limits.connections + limits.streams, MHD_OPTION_CONNECTION_TIMEOUT, limits.silent_s,
+      MHD_OPTION_CONNECTION_MEMORY_LIMIT, limits.head_bytes, MHD_OPTION_URI_LOG_CALLBACK, &Impl::OnUri,
+      impl.get(), MHD_OPTION_NOTIFY_CONNECTION, &Impl::OnConnection, impl.get(), MHD_OPTION_NOTIFY_COMPLETED,
+      &Impl::OnCompleted, impl.get(), MHD_OPTION_END);
   if (impl->daemon == nullptr) {
     ::close(socket.value());
     return Status(Code::kIo, "cannot begin to listen on " + address + " for " + purpose);

@@ -96,6 +96,26 @@ TEST_F(HttpServerTest, HandsOnPathQueryHeadersAndBody) {
   EXPECT_NE(answer.find("POST /a/b 1&2 thing [hello]"), std::string::npos) << answer;
 }
 
+TEST_F(HttpServerTest, ArgumentsThatTakeTooMuchMemoryAreRefusedAtOnce) {
+  Listen({.silent_s = 3600});
+  const auto refusal = [&](std::size_t count, std::size_t length) {
+    std::string query = "a=" + std::string(length, '1');
+    for (std::size_t i = 1; i < count; ++i) query += "&a=" + std::string(length, '1');
+    const std::string answer = Get("/x?" + query);
+    return answer.starts_with("HTTP/1.1 ") ? answer.substr(9, 3) : "'" + answer + "'";
+  };
+  for (const std::size_t length : {0, 1, 10, 100, 1000, 3000}) {
+    EXPECT_EQ(refusal(1, length), "200") << length;
+    for (const std::size_t bytes : {8000, 12000, 14000, 15000, 16000, 20000, 100000})
+      EXPECT_EQ(refusal(std::max<std::size_t>(1, bytes / (length + 3)), length), "414")
+          << bytes << ", " << length;
+  }
+  EXPECT_EQ(refusal(50, 5), "200");
+  EXPECT_EQ(Ask("GET /late?" + std::string(100, '&') + " HTTP/1.1\r\nHost: here\r\n\r\n").substr(9, 3),
+            "414");
+  EXPECT_TRUE(late_.empty()) << "nobody is asked";
+}
+
 TEST_F(HttpServerTest, ABodyThatIsTooLargeIsRefusedBeforeItComesOrBreaksOff) {
   Listen({.body_bytes = 100});
   EXPECT_TRUE(Ask("POST / HTTP/1.1\r\nHost: here\r\nContent-Length: 101\r\nConnection: close\r\n\r\n")
