@@ -63,6 +63,7 @@ struct TopicInHand {
   std::unique_ptr<bag::TopicReader> reader;
   bag::TopicClock clock;
   std::int64_t taken = 0;
+  const bag::Container* from = nullptr;  // the last that was taken
 };
 
 // One channel of one file: its messages, decoded.
@@ -145,7 +146,7 @@ class BagImport {
     for (const TopicInHand& other : in_hand_)
       if (other.name == topic.name && other.type == topic.type)
         throw InputError("the topic " + topic.name + " is named twice");
-    in_hand_.push_back({topic.name, topic.type, std::move(reader), bag::TopicClock(clock_), 0});
+    in_hand_.push_back({topic.name, topic.type, std::move(reader), bag::TopicClock(clock_)});
   }
 
   void ChooseTopics() {
@@ -243,9 +244,14 @@ class BagImport {
     try {
       topic.reader->Take(channel->reader->Read(message.bytes), message, &topic.clock);
       ++topic.taken;
+      topic.from = &one;
     } catch (const bag::Damage& damage) {
       BadMessage(one, topic, message, {"a message that does not match its definition", damage.what});
-    } catch (const LineError& error) {
+    } catch (LineError error) {
+      if (error.reason == bag::kRunsBackwards && topic.from != nullptr && topic.from != &one)
+        error.detail += ", to which " + topic.from->path() +
+                        " goes: the bags overlap, and --skip-bad takes what both hold from that one alone; "
+                        "bags of several robots are a log each";
       BadMessage(one, topic, message, error);
     }
   }

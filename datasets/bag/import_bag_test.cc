@@ -170,6 +170,24 @@ TEST_F(ImportBagTest, BadMessagesAreNamedAndSkippedWhereAsked) {
   ExpectContains(Refusal(messages), "--skip-bad leaves 2 of 22 messages, less than half");
 }
 
+TEST_F(ImportBagTest, BagsThatOverlapAreToldWhatToDoAndAskedAreReadOnce) {
+  const auto messages = bag::SmallDrive(To::kRos1);
+  const auto part = [&](std::size_t from, std::size_t end) {
+    return bag::Ros1Bytes({messages.begin() + static_cast<std::ptrdiff_t>(from),
+                           messages.begin() + static_cast<std::ptrdiff_t>(end)});
+  };
+  Import(messages);
+  const Hash once = log_.ContentHash();
+  options_.files = {folder_.Put("late.bag", part(8, messages.size())), folder_.Put("early.bag", part(0, 16))};
+  const std::string refusal = InputErrorOf([&] { ImportBag(options_, &log_); });
+  ExpectContains(refusal, "late.bag: message 1 of /odom: time runs backwards: ");
+  ExpectContains(refusal,
+                 "early.bag goes: the bags overlap, and --skip-bad takes what both hold from that one");
+  options_.skip_bad = true;
+  ImportBag(options_, &log_);
+  EXPECT_EQ(log_.ContentHash(), once);
+}
+
 TEST_F(ImportBagTest, OfAnSqliteFileThatIsCutOffWhatIsThereIsRead) {
   std::vector<bag::BagMessage> messages;
   constexpr int kMessages = 400;

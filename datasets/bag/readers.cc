@@ -274,7 +274,7 @@ class PoseReader : public TopicReader {
     std::vector<PoseRow> rows;
     for (std::size_t i = 0; i < stamps.size(); ++i) {
       const Transform pose = TransformIn(found, 0, i);
-      if (i > 0 && !(stamps[i] >= stamps[i - 1])) throw LineError{"time runs backwards", "within a path"};
+      if (i > 0 && !(stamps[i] >= stamps[i - 1])) throw LineError{kRunsBackwards, "within a path"};
       if (const auto time_s = clock->WithinPath(stamps[i]))
         rows.push_back({*time_s, message.number, pose.Planar()});
     }
@@ -302,7 +302,7 @@ std::optional<double> TopicClock::At(const std::vector<double>& header, std::int
   const double time_s = has_header && !options_.by_receipt ? header.front() : received_s;
   constexpr double kMostLate_s = 1;
   if (time_s < latest_s_ - kMostLate_s)
-    throw LineError{"time runs backwards", std::to_string(time_s) + " after " + std::to_string(latest_s_)};
+    throw LineError{kRunsBackwards, std::to_string(time_s) + " after " + std::to_string(latest_s_)};
   if (Leaps(time_s, received_s))
     throw LineError{"time jumps ahead",
                     std::to_string(time_s) + " after " + std::to_string(latest_s_) +

@@ -25,6 +25,8 @@ struct ClockOptions {
   double from_s = -std::numeric_limits<double>::infinity(), until_s = std::numeric_limits<double>::infinity();
 };
 
+inline constexpr char kRunsBackwards[] = "time runs backwards";
+
 class TopicClock {
  public:
   explicit TopicClock(const ClockOptions& options) : options_(options) {}
