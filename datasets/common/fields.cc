@@ -76,8 +76,11 @@ std::vector<double> Fields::Ranges(std::size_t first, std::size_t count, double 
   std::vector<double> ranges;
   ranges.reserve(count);
   for (std::size_t beam = 0; beam < count; ++beam) {
-    ranges.push_back(Number(first + beam));
     const std::string what = "beam " + std::to_string(beam) + " measures " + std::string(Text(first + beam));
+    const char* reason = "";
+    const std::optional<double> range_m = ParseNumber(Text(first + beam), &reason);
+    if (!range_m) throw LineError{std::string("range is ") + reason, what};
+    ranges.push_back(*range_m);
     if (ranges.back() < 0) throw LineError{"negative range", what};
     if (ranges.back() > most_m) throw LineError{"beyond any sensor's reach", what};
   }

@@ -38,7 +38,7 @@ class Fields {
   // A whole number of 0 to `most`; else "no count".
   std::size_t Count(std::size_t field, std::size_t most) const;
   // `count` ranges from `first` on, each from 0 to `most_m`; else "negative range", "beyond any sensor's
-  // reach".
+  // reach", "range is not finite", "range is not a number".
   std::vector<double> Ranges(std::size_t first, std::size_t count, double most_m) const;
   // That there are `needed` fields, since the line declares so many of something: `declared`.
   void Need(std::size_t needed, const std::string& declared) const;

@@ -81,11 +81,11 @@ refuses_import 'carmen.log:3: unknown message' cairn import carmen carmen.log lo
 carmen 'FLASER 3 1 1 0 0 0 0 0 0 1.5 h 1.5' >carmen.log
 refuses_import 'carmen.log:2: line cut short, or fewer values' cairn import carmen carmen.log log.h5
 carmen 'FLASER 2 1 nan 0 0 0 0 0 0 1.5 h 1.5' "$good_scan" >carmen.log
-refuses_import 'carmen.log:2: not finite' cairn import carmen carmen.log log.h5
+refuses_import 'carmen.log:2: range is not finite: beam 1 measures nan' cairn import carmen carmen.log log.h5
 refuses_import 'what is meant is SENSOR=X,Y,DEGREES' cairn import carmen carmen.log log.h5 --mount laser=1,2
 refuses_import 'corrected excludes --raw' cairn import carmen carmen.log log.h5 --corrected --raw
 exits 0 cairn import carmen carmen.log log.h5 --skip-bad
-says '^cairn: skipped 1: not finite$'
+says '^cairn: skipped 1: range is not finite$'
 says '^log.h5: 1 robot, 2 controls, 0 observations, 1 range scans$'
 rm log.h5
 gzip -c carmen.log | head -c 40 >cut.log.gz

@@ -38,9 +38,10 @@ struct CarmenImportOptions {
 // RLASER) holds the same. Odometry, or what takes its place, gives the controls; corrected poses become the
 // pose table, in which each scan finds its own pose at its time (datasets/import/recorded/range_log.h). Bad
 // are: an unknown message, not a number, not finite, fewer or more values than declared, a negative range,
-// one of more than 1000 m, beams or geometry other than those of the sensor's first scan, time that runs
-// backwards by more than a second. Ranges at or beyond the sensor's reach, and of 0, are no bad lines:
-// 'nothing' is told so. Throws InputError "FILE:LINE: REASON: DETAIL".
+// one of more than 1000 m, a laser without a resolution or a maximum range above 0, beams or geometry other
+// than those of the sensor's first scan, time that runs backwards by more than a second. Ranges at or beyond
+// the sensor's reach, and of 0, are no bad lines: 'nothing' is told so. Throws InputError "FILE:LINE: REASON:
+// DETAIL".
 ImportReport ImportCarmen(const CarmenImportOptions& options, Blob* log);
 
 }  // namespace cairn::datasets

@@ -34,8 +34,11 @@ std::size_t ParseConfiguration(const Fields& line, std::size_t behind, CarmenSca
   scan->step_rad = line.Number(kStep);
   scan->max_range_m = line.Number(kMaximum);
   if (!(*scan->step_rad > 0 && *scan->step_rad < std::numbers::pi))
-    throw LineError{"no angular resolution", "field 5 is '" + std::string(line.Text(kStep)) + "'"};
-  if (*scan->max_range_m <= 0) scan->max_range_m.reset();
+    throw LineError{"no angular resolution", "field 5 is '" + std::string(line.Text(kStep)) +
+                                                 "', in radians; allowed: above 0, below pi"};
+  if (*scan->max_range_m <= 0)
+    throw LineError{"no maximum range",
+                    "field 6 is '" + std::string(line.Text(kMaximum)) + "', in metres; allowed: above 0"};
   const bool without_mode = !ListsLeave(line, kReadings, behind) && ListsLeave(line, kReadings - 1, behind);
   return without_mode ? kReadings - 1 : kReadings;
 }

@@ -196,6 +196,26 @@ TEST_F(ImportCarmenTest, StampsThatTellNothingApartGiveWayToNumbers) {
   }));
 }
 
+TEST_F(ImportCarmenTest, AScanWithoutAResolutionOrAMaximumAboveZeroIsABadLine) {
+  const auto log = [](const std::string& step, const std::string& max) {
+    std::string text;
+    for (const std::string n : {"1", "2"}) {
+      text +=
+          "ODOM " + n + " 0 0 0 0 0 " + n + " h " + n + "\n" + "RAWLASER1 0 -1 2 " + (n == "2" ? step : "1");
+      text += " " + (n == "2" ? max : "9") + " 0.01 0 3 1 2 3 0 " + n + " h " + n + "\n";
+    }
+    return text;
+  };
+  for (const std::string value : {"0", "-0.5"}) {
+    ExpectContains(Refusal(log(value, "9")), "log.log:4: no angular resolution: field 5 is '" + value + "'");
+    ExpectContains(Refusal(log("1", value)), "log.log:4: no maximum range: field 6 is '" + value + "'");
+  }
+  options_.skip_bad = true;
+  const ImportReport report = Import(log("1", "-9"));
+  EXPECT_EQ(report.skipped.at("no maximum range"), 1);
+  EXPECT_EQ(report.scans, 1);
+}
+
 TEST_F(ImportCarmenTest, BadLinesAreNamedWithTheirFileAndLine) {
   const std::string odometry = "ODOM 0 0 0 0 0 0 1 h 1\n";
   ExpectContains(Refusal(odometry + "BOGUS 1 2\n"), "log.log:2: unknown message: 'BOGUS'");
@@ -205,7 +225,10 @@ TEST_F(ImportCarmenTest, BadLinesAreNamedWithTheirFileAndLine) {
                  "there are 190");
   ExpectContains(Refusal(odometry + "FLASER 2 1 1 1 0 0 0 0 0 0 2 h 2 3\n"),
                  "more values than the line declares");
-  ExpectContains(Refusal(odometry + "FLASER 2 1 nan 0 0 0 0 0 0 2 h 2\n"), "log.log:2: not finite: field 4");
+  ExpectContains(Refusal(odometry + "FLASER 2 1 nan 0 0 0 0 0 0 2 h 2\n"),
+                 "log.log:2: range is not finite: beam 1 measures nan");
+  ExpectContains(Refusal(odometry + "FLASER 2 inf 1 0 0 0 0 0 0 2 h 2\n"),
+                 "log.log:2: range is not finite: beam 0 measures inf");
   ExpectContains(Refusal(odometry + "FLASER 2 1 -1 0 0 0 0 0 0 2 h 2\n"),
                  "negative range: beam 1 measures -1");
   ExpectContains(Refusal(odometry + "FLASER 2 1 5000 0 0 0 0 0 0 2 h 2\n"), "beyond any sensor's reach");
@@ -220,8 +243,9 @@ TEST_F(ImportCarmenTest, BadLinesAreNamedWithTheirFileAndLine) {
   options_.skip_bad = true;
   const ImportReport report = Import(odometry + "BOGUS\nFLASER 2 1 nan 0 0 0 0 0 0 2 h 2\n" +
                                      Flaser("0 0 0", "0 0 0", "5") + Flaser("0 0 0", "0 0 0", "3"));
-  EXPECT_EQ(report.skipped, (std::map<std::string, std::int64_t>{
-                                {"not finite", 1}, {"time runs backwards", 1}, {"unknown message", 1}}));
+  EXPECT_EQ(report.skipped,
+            (std::map<std::string, std::int64_t>{
+                {"range is not finite", 1}, {"time runs backwards", 1}, {"unknown message", 1}}));
   EXPECT_EQ(report.scans, 1);
 }
 
