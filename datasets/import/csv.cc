@@ -11,6 +11,7 @@
 #include "datasets/import/alike_names.h"
 #include "datasets/import/csv_reader.h"
 #include "datasets/import/name_index.h"
+#include "datasets/import/near_repeats.h"
 #include "datasets/import/pose_controls.h"
 #include "datasets/import/repeated_rows.h"
 #include "datasets/import/row_times.h"
@@ -138,9 +139,12 @@ class CsvImport {
                         reader.header() == 2 ? ReadOdometryPoses(&reader) : ReadOdometryControls(&reader));
     if (reader.header() == 0) {
       WarnOfLostMotion();
-      for (RobotRows& robot : rows_.robots)
+      for (RobotRows& robot : rows_.robots) {
         LeaveOutRepeatedSteps("robot '" + robot.name + "'", options_.repeated_steps, &robot.odometry,
                               &report_);
+        if (options_.repeated_steps != RepeatedSteps::kMotion)
+          WarnOf(options_.odometry, robot.name, DoubtNearRepeats(robot.odometry));
+      }
     }
     for (const auto& [robot, digits] : digits_) {
       const std::string doubt = digits.Doubt();
