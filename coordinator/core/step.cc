@@ -6,6 +6,7 @@
 
 #include "coordinator/core/round.h"
 #include "schema/blob_part.h"
+#include "schema/step_limits.h"
 #include "schema/text.h"
 
 namespace cairn::coordinator {
@@ -17,8 +18,7 @@ constexpr int kMostPhases = 100;
 // Of a round; the largest that a pipeline has planned was of some thousands.
 constexpr int kMostTasks = 200'000;
 constexpr std::size_t kMostInputs = 500'000;  // each takes the coordinator a kilobyte
-// A state goes with every task, and is copied for it; a pipeline's own has some dozens of figures.
-constexpr std::size_t kMostFigures = 20'000, kMostParameters = 500'000;
+constexpr std::size_t kMostParameters = 500'000;
 
 constexpr double kMostAmount = 1e15;  // sums of more would be no times
 

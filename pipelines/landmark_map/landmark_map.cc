@@ -24,6 +24,7 @@
 #include "pipelines/landmark_map/search.h"
 #include "pipelines/landmark_map/slice_task.h"
 #include "pipelines/landmark_map/so_far.h"
+#include "schema/step_limits.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -61,6 +62,18 @@ cairn::Step Merged(const Options& options, std::vector<cairn::Step> candidates) 
   cairn::Step step = FanOut(std::move(candidates));
   outlook.Announce(&step.plan);
   return step;
+}
+
+// The state of all starts goes with each step: what a coordinator would refuse, at once or when the search
+// has gone on for long, is never begun.
+void RequireRoomForStarts(const State& state, std::size_t starts) {
+  constexpr std::size_t kToCome = 6;        // figures of a start until the search has chosen
+  constexpr double kShareOfTheFirst = 0.4;  // with drifts further out there may be as many again
+  const std::size_t each = (state.scalars().size() + starts - 1) / starts + kToCome;
+  const auto most = static_cast<std::size_t>(kShareOfTheFirst * static_cast<double>(kMostFigures / each));
+  if (starts > most)
+    throw InputError(fmt::format(
+        "starts={} are more than can be searched side by side: of this log at most {}", starts, most));
 }
 
 Blob RunTask(const Options& options, const Task& task, const Inputs& inputs, Progress& progress) {
@@ -120,7 +133,9 @@ cairn::Step LandmarkMap::StartFrom(const Inputs& inputs, std::size_t trials) con
   estimate.rounds *= static_cast<double>(trials);
   estimate.seconds *= static_cast<double>(trials);
   RequireMemory("a task", 1e6 * estimate.task_mb, settings.memory_mb);
-  cairn::Step step = starts.size() == 1 ? std::move(starts[0]) : Merged(options_, std::move(starts));
+  const std::size_t count = starts.size();
+  cairn::Step step = count == 1 ? std::move(starts[0]) : Merged(options_, std::move(starts));
+  if (count > 1) RequireRoomForStarts(step.plan.state(), count);
   estimate.Store(step.plan.mutable_state());
   const std::string why = inputs.Has("map")          ? "the map is given"
                           : options_.iterations == 0 ? "iterations=0 leaves nothing to choose"

@@ -11,6 +11,7 @@
 
 #include "pipelines/landmark_map/testing.h"
 #include "pipelines/testing/in_process.h"
+#include "schema/step_limits.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -245,6 +246,21 @@ TEST(LandmarkMap, NoiseThatIsNoSensibleFigureIsRefused) {
     log.PutScalar<double>("noise/turn_ratio", wrong);
     EXPECT_THROW(Map(log, {}), InputError) << wrong;
   }
+}
+
+TEST(LandmarkMap, MoreStartsThanAStateHoldsAreRefusedAtTheStart) {
+  const Blob log = SquareLog{.laps = 2}.Make();
+  try {
+    Map(log, {.iterations = 10000, .starts = 1000});
+    FAIL() << "it was begun";
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).find("starts=1000 are more than can be searched side by side"), 0U)
+        << error.what();
+  }
+  const auto steps_of = [&](std::int64_t starts) {
+    return LandmarkMap({.starts = starts}).Start(MapInputs({{"log", std::make_shared<const Blob>(log)}}));
+  };
+  EXPECT_LT(steps_of(250).plan.state().scalars().size(), kMostFigures);
 }
 
 TEST(LandmarkMap, ABoxTooSmallForTheTrajectoryIsRefused) {
