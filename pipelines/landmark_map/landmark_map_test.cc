@@ -115,6 +115,44 @@ TEST(LandmarkMap, FindsTheWalkAndTheDriftThatTheLogsNoiseGetsWrong) {
   }
 }
 
+// Each post is seen once: nothing confirms what a search supposes of the odometry.
+TEST(LandmarkMap, WhereASearchFindsNoLandmarkThePathIsOdometrys) {
+  constexpr int kGap_m = 10, kPosts = 8;
+  Rng rng(1);
+  std::vector<double> time, turn, forward, seen_s, range, bearing;
+  for (int k = 1; k <= kGap_m * (kPosts + 1); ++k) {
+    time.push_back(k);
+    turn.push_back(0.01 + 0.005 * rng.Normal());
+    forward.push_back(1.0 + 0.01 * rng.Normal());
+    if (k % kGap_m != kGap_m - 3 || k > kGap_m * kPosts) continue;
+    const double beside_m = rng.Uniform(-3, 3);
+    seen_s.push_back(k);
+    range.push_back(std::hypot(3.0, beside_m));
+    bearing.push_back(std::atan2(beside_m, 3.0));
+  }
+  Blob log = PostsLog{}.Make();
+  log.PutVector("robot/0/odometry/time_s", time);
+  log.PutVector("robot/0/odometry/turn_rad", turn);
+  log.PutVector("robot/0/odometry/forward_m", forward);
+  log.PutVector("robot/0/observations/landmark", std::vector<std::int32_t>(seen_s.size(), -1));
+  log.PutVector("robot/0/observations/time_s", seen_s);
+  log.PutVector("robot/0/observations/range_m", range);
+  log.PutVector("robot/0/observations/bearing_rad", bearing);
+  const BlobPtr result = Map(log, {});
+  ASSERT_TRUE(result->Has("search/support"));
+  ASSERT_TRUE(result->Get<double>("map/landmark_x_m").empty());
+  EXPECT_EQ(result->Scalar<double>("robot/0/heading_drift_rad_per_m"), 0.0);
+  double x_m = 0, y_m = 0, heading_rad = 0;
+  for (std::size_t k = 0; k < turn.size(); ++k) {
+    heading_rad += turn[k];
+    x_m += forward[k] * std::cos(heading_rad);
+    y_m += forward[k] * std::sin(heading_rad);
+  }
+  const auto x = result->Get<double>("robot/0/poses/x_m"), y = result->Get<double>("robot/0/poses/y_m");
+  EXPECT_NEAR(x.back() - x.front(), x_m, 0.01);
+  EXPECT_NEAR(y.back() - y.front(), y_m, 0.01);
+}
+
 TEST(LandmarkMap, TheTriangularErrorOfThePaperWorksToo) {
   SquareLog log{.laps = 4, .side_m = 20.0};
   ExpectSquare(*Map(log.Make(), {.cell_m = 0.5, .motion_error = "triangular"}), 20.0, 0.7);
