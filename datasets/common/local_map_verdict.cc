@@ -333,6 +333,27 @@ void JudgeWalls(const kinds::LocalMap& map, Verdict* verdict) {
   }
 }
 
+// Where odometry's distances are not those of the scans, which the path has.
+void JudgeMetre(const kinds::LocalMap& map, Verdict* verdict) {
+  constexpr double kOff = 1.07, kFarOff = 1.5, kWalks = 1.001;
+  for (const kinds::LocalMap::Robot& robot : map.robot) {
+    if (robot.metre.scale.OrNone().empty()) continue;
+    const auto [least, most] = std::ranges::minmax(robot.metre.scale);
+    verdict->numbers.emplace_back("odometry_metre_least_m", least);
+    verdict->numbers.emplace_back("odometry_metre_most_m", most);
+    const double off = std::max(most, 1 / least);
+    const bool walks = most > kWalks * least;
+    verdict->Add({off > kFarOff         ? Confidence::kLow
+                  : off > kOff || walks ? Confidence::kFair
+                                        : Confidence::kHigh,
+                  fmt::format("what odometry calls a metre is {:.2f}{} m by the scans: {} The map has the "
+                              "scale of the scans",
+                              least, walks ? fmt::format(" to {:.2f}", most) : "",
+                              walks ? "its scale drifts, as a camera's does."
+                                    : "are both in metres and calibrated?")});
+  }
+}
+
 constexpr double kDegree = std::numbers::pi / 180;
 long Degrees(double rad) { return std::lround(rad / kDegree); }
 
@@ -432,6 +453,7 @@ Verdict LocalMapVerdict(const Blob& result) {
   verdict.numbers.emplace_back("untied_m", untied.travelled_m);
   verdict.trust = TrustIn(loops, weakest, untied);
   verdict.why = LoopsText(loops, weakest, untied);
+  JudgeMetre(map, &verdict);
   JudgeWalls(map, &verdict);
   JudgeBlindWays(result, map, &verdict);
   JudgeScans(map, &verdict);

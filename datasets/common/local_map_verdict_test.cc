@@ -53,6 +53,24 @@ TEST(LocalMapVerdict, ManyLoopsThatAgreeAreTrusted) {
             "low: 21 of 100 loops contradict the path");
 }
 
+TEST(LocalMapVerdict, AMetreOfOdometryThatTheScansContradictIsSaid) {
+  const auto of = [](const std::vector<double>& scale) {
+    auto map = Read<kinds::LocalMap>(LocalMapOf(Loops(20, 1, 9)));
+    map.robot.resize(1);
+    map.robot[0].metre = {std::vector<double>(scale.size(), 1), scale};
+    return LocalMapVerdict(BlobOf(map));
+  };
+  EXPECT_EQ(of({}).trust, Confidence::kHigh);
+  EXPECT_EQ(
+      of({0.8}).Text(),
+      "fair: the path closes all of 20 loops; what odometry calls a metre is 0.80 m by the scans: are both "
+      "in metres and calibrated? The map has the scale of the scans");
+  EXPECT_EQ(of({0.95}).trust, Confidence::kHigh);
+  EXPECT_EQ(of({0.3048}).trust, Confidence::kLow);
+  EXPECT_EQ(of({0.97, 1.03}).trust, Confidence::kFair);
+  EXPECT_NE(of({0.97, 1.03}).why.find("0.97 to 1.03 m by the scans: its scale drifts"), std::string::npos);
+}
+
 TEST(LocalMapVerdict, ATimeThatFewLoopsGoOverIsNamed) {
   auto loops = Loops(30, 1, 50);
   const auto later = Loops(30, 60, 100);

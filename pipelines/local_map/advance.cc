@@ -7,78 +7,17 @@
 #include <string>
 
 #include "pipelines/common/handed_over.h"
-#include "pipelines/local_map/path/motion_watch.h"
-#include "pipelines/local_map/path/scale_watch.h"
+#include "pipelines/local_map/path/scale_track.h"
 #include "pipelines/local_map/plan.h"
 #include "pipelines/local_map/result.h"
 #include "pipelines/local_map/tasks/follow_task.h"
+#include "pipelines/local_map/watched.h"
 #include "schema/kinds/map_so_far.h"
 
 namespace cairn::local_map {
 namespace {
 
 constexpr std::size_t kQuarters = 4, kNodesOfTask = 40;
-
-// What the tasks saw of walls, of each robot.
-struct Watched {
-  std::vector<std::vector<float>> edges_m;
-  std::vector<std::vector<Approach>> approaches;
-  std::vector<std::vector<Contradiction>> motion;
-};
-
-// That a partial is of.
-std::size_t RobotOf(const Blob& partial, std::size_t robots) {
-  const auto robot = partial.Scalar<std::int64_t>("robot");
-  RequireWithin("robot", robot, 0, static_cast<std::int64_t>(robots) - 1);
-  return static_cast<std::size_t>(robot);
-}
-
-Watched WatchedBy(Partials& partials, std::size_t robots) {
-  Watched watched{std::vector<std::vector<float>>(robots), std::vector<std::vector<Approach>>(robots),
-                  std::vector<std::vector<Contradiction>>(robots)};
-  for (std::size_t k = 0; k < partials.size(); ++k) {
-    const BlobPtr partial = partials.Get(k);
-    const std::size_t r = RobotOf(*partial, robots);
-    const auto edges = partial->Get<float>("edges_m");
-    watched.edges_m[r].insert(watched.edges_m[r].end(), edges.begin(), edges.end());
-    const auto along2 = partial->Get<double>("along2_m2"),
-               distance = partial->Get<double>("along_distance_m2");
-    RequireSize("along_distance_m2", distance.size(), along2.size());
-    for (std::size_t a = 0; a < along2.size(); ++a) watched.approaches[r].push_back({along2[a], distance[a]});
-    const auto first = partial->Scalar<std::int64_t>("first");
-    for (Contradiction contradiction : RowsIn<Contradiction>(*partial, "motion/")) {
-      contradiction.from += first;
-      contradiction.to += first;
-      watched.motion[r].push_back(contradiction);
-    }
-  }
-  return watched;
-}
-
-std::vector<OrientationSight> SightsOf(const std::vector<Scan>& scans, const std::vector<float>& edges) {
-  std::vector<OrientationSight> sights(scans.size());
-  RequireSize("edges_m", edges.size(), scans.size() * kBins);
-  for (std::size_t s = 0; s < scans.size(); ++s) {
-    sights[s].path_m = scans[s].path_m;
-    sights[s].heading_rad = scans[s].pose.heading_rad;
-    std::copy_n(edges.begin() + static_cast<std::ptrdiff_t>(s * kBins), kBins, sights[s].edges_m.begin());
-    sights[s].begins = s > 0 && scans[s].jumped;
-  }
-  return sights;
-}
-
-// Odometry's headings made good by what the scans show of turns that it missed; the track is that of the
-// walls in the frame of dead reckoning all the same.
-OrientationTrack TrackWalls(std::vector<OrientationSight> sights, const std::vector<double>& missed_rad,
-                            const OrientationOptions& options) {
-  for (std::size_t s = 0; s < missed_rad.size(); ++s) {
-    sights[s].heading_rad += missed_rad[s];
-    sights[s].edges_m = Turned(sights[s].edges_m, missed_rad[s]);
-  }
-  OrientationTrack track = TrackOrientation(sights, options);
-  for (std::size_t s = 0; s < missed_rad.size(); ++s) track.at[s].angle_rad -= missed_rad[s];
-  return track;
-}
 
 Blob NodesBlob(const std::vector<std::size_t>& nodes) {
   Blob blob;
@@ -138,6 +77,7 @@ class Turn {
   void Orient() {
     const bool first = standing_.phase == Phase::kWalls;
     const Watched watched = WatchedBy(partials_, robots_);
+    if (first && standing_.round == 0 && MeasureMetre(watched)) return;
     std::string note;
     for (std::size_t r = 0; r < robots_; ++r) {
       const BlobPtr rows = inputs_.Get(first ? RowsName(r) : PathName(r));
@@ -157,7 +97,12 @@ class Turn {
                                   track.drift_rad_per_m, 100 * track.turn_scale, track.walk_rad_per_sqrt_m)
                     : fmt::format("odometry's metre is {:.4f} m by {} walls", scale,
                                   watched.approaches[r].size());
-      if (!first) Share(NodesName(r), NodesBlob(ChooseNodes(scans, options_.nodes)));
+      if (!first) {
+        Share(NodesName(r), NodesBlob(ChooseNodes(scans, options_.nodes)));
+        std::vector<MetreAt> track = RowsIn<MetreAt>(*inputs_.Get(MetreName(r)));
+        for (MetreAt& metre : track) metre.scale *= scale;
+        Share(MetreName(r), cairn::BlobOf(track));
+      }
       PlanSegments(r, scans, first ? "walls" : "traces");
       all_.push_back({std::move(scans), {}});
     }
@@ -189,6 +134,42 @@ class Turn {
     map.edge_x_m = cairn::ColumnOf(edges, &Point::x_m);
     map.edge_y_m = cairn::ColumnOf(edges, &Point::y_m);
     state().set_so_far(step_.Share(cairn::BlobOf(map)));
+  }
+
+  // Where odometry's metre is not one, walls are watched anew along ways that are as long as they should be.
+  bool MeasureMetre(const Watched& watched) {
+    std::string note;
+    for (std::size_t r = 0; r < robots_; ++r) {
+      const BlobPtr rows = inputs_.Get(RowsName(r));
+      std::vector<Scan> scans = RowsIn<Scan>(*rows);
+      for (const Approach& approach : watched.approaches[r]) {
+        RequireWithin("an approach's scan", approach.scan, std::int64_t{0},
+                      static_cast<std::int64_t>(scans.size()) - 1);
+        RequireWithin("an approach's scale", approach.Scale(), -kFarthest_m, kFarthest_m);
+        RequireWithin("an approach's sd", approach.sd, 0.0, kFarthest_m);
+      }
+      const std::vector<MetreAt> track = TrackScale(watched.approaches[r], scans);
+      Share(MetreName(r), cairn::BlobOf(track));
+      if (!track.empty()) {
+        const auto [least, most] = std::ranges::minmax(cairn::ColumnOf(track, &MetreAt::scale));
+        note +=
+            fmt::format("{}odometry's metre is {:.3f} to {:.3f} m", note.empty() ? "" : "; ", least, most);
+        Rescale(track, &scans);
+        Blob longer = *rows;
+        PutRows("", scans, &longer);
+        Share(RowsName(r), std::move(longer));
+      }
+      all_.push_back({std::move(scans), {}});
+    }
+    if (note.empty()) {
+      all_.clear();
+      return false;
+    }
+    for (std::size_t r = 0; r < robots_; ++r) PlanWalls(r, all_[r].scans, options_, &step_.plan);
+    Enter(Phase::kWalls, 1);
+    ExpectRest(options_, Scans(), -1, &step_.plan);
+    step_.plan.set_note(note);
+    return true;
   }
 
   void ShareMotion(std::size_t r, const std::vector<Contradiction>& motion, const std::vector<Scan>& scans) {
@@ -376,6 +357,7 @@ class Turn {
       const std::string robot = "robot/" + std::to_string(r) + "/";
       PutPath(robot, all_[r].scans, *inputs_.Get(WallsName(r)), &result);
       result.PutAll(robot + "cuts/", *inputs_.Get(CutsName(r)));
+      result.PutAll(robot + "metre/", *inputs_.Get(MetreName(r)));
       PutRows(robot + "fit/",
               Disagreements(RowsIn<Contradiction>(*inputs_.Get(MotionName(r))), all_[r].scans), &result);
       parts.scans.push_back(all_[r].scans);

@@ -76,14 +76,7 @@ Step LocalMap::Start(const Inputs& inputs) const {
     blobs[RingsName(r)] = step.Share(RingsBlob(scans, robots[r].sensors));
     blobs[RowsName(r)] = step.Share(RowsOf(robots[r]));
     blobs[CutsName(r)] = step.Share(CutsBlob(robots[r].cuts));
-    for (Stretch segment : CutSegments(r, robots[r].scans, options_)) {
-      // Whether the robot was carried while its run was cut, the scans of the run before tell.
-      const auto before = segment.first < segment.own
-                              ? std::size_t{0}
-                              : std::min(segment.first, static_cast<std::size_t>(options_.warm_up_scans));
-      segment.first -= before;
-      AddScanTask("walls", kWallsUs, segment, RowsName(r), &step.plan).Set("motion", before);
-    }
+    PlanWalls(r, robots[r].scans, options_, &step.plan);
   }
   double scan_count = 0;
   for (const RobotRuns& runs : robots) scan_count += static_cast<double>(runs.scans.size());
@@ -164,7 +157,9 @@ Blob LocalMap::Run(const Task& task, const Inputs& inputs, Progress& progress) c
     if (task.params().contains("motion"))
       ahead = static_cast<std::size_t>(IntegerOf(task, "motion", 0, kMostScans));
     partial = WatchWalls(scans, OwnOf(task, scans), ahead, options_.grid, progress);
-    partial.PutScalar("first", IntegerOf(task, "first", 0, kMostScans));
+    const std::int64_t first = IntegerOf(task, "first", 0, kMostScans);
+    partial.PutScalar("first", first);
+    partial.PutScalar("own", first + static_cast<std::int64_t>(OwnOf(task, scans)));
   } else if (task.kind() == "traces") {
     partial = RecordTraces(task, inputs, options_.grid, &scans, progress, options_.record);
   } else {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "pipelines/local_map/testing/corridor.h"
@@ -230,6 +231,39 @@ TEST(LocalMap, AWayThatWheelsSlipIsTakenFromTheScans) {
   EXPECT_NEAR(fit.from_s[0], 0.2 * (5 * 50 + 10), 1.5);
   EXPECT_NEAR(fit.odometry_apart_m[0], 1.2, 0.3);
   EXPECT_LT(fit.apart_m[0], 0.3);
+}
+
+// What odometry says of its ways is `measured` of them at each time.
+Blob Measured(Blob log, const std::function<double(double)>& measured) {
+  const auto time_s = log.Get<double>("robot/0/odometry/time_s");
+  const auto said = log.Get<double>("robot/0/odometry/forward_m");
+  std::vector<double> forward(said.begin(), said.end());
+  for (std::size_t k = 0; k < forward.size(); ++k) forward[k] *= measured(time_s[k]);
+  log.PutVector("robot/0/odometry/forward_m", forward);
+  return log;
+}
+
+TEST(LocalMap, OdometrysMetreMayBeFarOff) {
+  for (const double measured : {0.65, 1.35}) {
+    const Blob log = Measured(LaserRoomLog(3, -1), [&](double) { return measured; });
+    const BlobPtr map = Map(log);
+    EXPECT_LT(ErrorM(log, *map), 0.1) << measured;
+    const auto robot = Read<kinds::LocalMap>(*map).robot[0];
+    ASSERT_FALSE(robot.metre.scale.OrNone().empty());
+    for (const double scale : robot.metre.scale) EXPECT_NEAR(scale * 1.01 * measured, 1, 0.02);
+    EXPECT_TRUE(robot.fit.from_s.OrNone().empty());
+  }
+}
+
+TEST(LocalMap, OdometrysMetreMayDrift) {
+  const auto measured = [](double time_s) { return std::exp(0.2 * std::sin(0.04 * time_s)); };
+  const Blob log = Measured(LaserRoomLog(4, -1), measured);
+  const BlobPtr map = Map(log);
+  EXPECT_LT(ErrorM(log, *map), 0.1);
+  const auto metre = Read<kinds::LocalMap>(*map).robot[0].metre;
+  ASSERT_FALSE(metre.scale.OrNone().empty());
+  for (std::size_t i = 0; i < metre.scale.vector().size(); ++i)
+    EXPECT_NEAR(metre.scale[i] * 1.01 * measured(metre.time_s[i]), 1, 0.06) << metre.time_s[i];
 }
 
 // Odometry is read once a second and the laser five times, also amid turns.

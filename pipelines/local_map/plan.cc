@@ -36,6 +36,17 @@ TaskBuilder AddScanTask(const char* kind, double us_of_scan, const Stretch& stre
   return task;
 }
 
+void PlanWalls(std::size_t robot, const std::vector<Scan>& scans, const Options& options, proto::Step* plan) {
+  for (Stretch segment : CutSegments(robot, scans, options)) {
+    // Whether the robot was carried while its run was cut, the scans of the run before tell.
+    const auto before = segment.first < segment.own
+                            ? std::size_t{0}
+                            : std::min(segment.first, static_cast<std::size_t>(options.warm_up_scans));
+    segment.first -= before;
+    AddScanTask("walls", kWallsUs, segment, RowsName(robot), plan).Set("motion", before);
+  }
+}
+
 namespace {
 
 // Of ADVANCE, a scan: after each kind of round. Pairs that are usual of a scan, in each round.
@@ -57,7 +68,7 @@ void ExpectRest(const Options& options, double scans, double pairs, proto::Step*
   if (is_walls) ExpectRounds(1, traces + scans * kPlanUs, 0, plan);
   if (phase == Phase::kFollow) return;
   const double of_round = pairs < 0 ? kUsualPairs * scans : pairs;
-  for (std::int64_t next = round + 1; next <= options.loop_rounds; ++next)
+  for (std::int64_t next = phase == Phase::kPairs ? round + 1 : 1; next <= options.loop_rounds; ++next)
     ExpectRounds(1, of_round * PairUs(next) + scans * kJoinUs, 0, plan);
   ExpectRounds(1, follow, static_cast<double>(robots), plan);
 }

@@ -21,6 +21,7 @@ inline std::string WallsName(std::size_t r) { return "walls " + std::to_string(r
 inline std::string NodesName(std::size_t r) { return "nodes " + std::to_string(r); }  // scans of nodes
 // What scans contradict of its dead reckoning (path/motion_watch.h).
 inline std::string MotionName(std::size_t r) { return "motion " + std::to_string(r); }
+inline std::string MetreName(std::size_t r) { return "metre " + std::to_string(r); }  // path/scale_track.h
 inline std::string CutsName(std::size_t r) { return "cuts " + std::to_string(r); }
 inline constexpr char kLogInput[] = "log";
 inline constexpr char kTraces[] = "traces", kSurroundings[] = "surroundings", kPairs[] = "pairs";
@@ -46,5 +47,7 @@ void ExpectRest(const Options& options, double scans, double pairs, proto::Step*
 // A task that reads scans [first, end) of the rows `rows_name` of the state.
 TaskBuilder AddScanTask(const char* kind, double us_of_scan, const Stretch& stretch,
                         const std::string& rows_name, proto::Step* plan);
+// The tasks of a robot that watch walls along dead reckoning.
+void PlanWalls(std::size_t robot, const std::vector<Scan>& scans, const Options& options, proto::Step* plan);
 
 }  // namespace cairn::local_map

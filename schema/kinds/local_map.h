@@ -29,6 +29,14 @@ struct LocalMap {
       field(Needed("why", "C"), &Cuts::why);
     }
   };
+  // Where odometry's metre is not one.
+  struct Metre {
+    Column<double> time_s, scale;
+    static void Fields(const auto& field) {
+      field({"time_s", "G", Finite()}, &Metre::time_s);
+      field({"scale", "G", Above0()}, &Metre::scale);
+    }
+  };
   // Where the path does not move as its scans show that the robot did.
   struct Fit {
     Column<double> from_s, until_s, scans_turn_rad, odometry_turn_rad, path_turn_rad, apart_m,
@@ -63,12 +71,14 @@ struct LocalMap {
     PoseTable poses;
     Walls walls;
     Cuts cuts;
+    Metre metre;
     Fit fit;
     Positions positions;
     static void Fields(const auto& field) {
       field({"poses", "S"}, &Robot::poses);
       field("walls", &Robot::walls);
       field("cuts", &Robot::cuts);
+      field("metre", &Robot::metre);
       field("fit", &Robot::fit);
       field("positions", &Robot::positions);
     }

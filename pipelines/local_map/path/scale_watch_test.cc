@@ -19,7 +19,7 @@ double ScaleAfter(double measured, double noise_m) {
       std::vector<double> ranges = SonarScan(walls, truth, 0, rng);
       for (double& range : ranges) range += noise_m * rng.Normal();
       const RingScan scan{0.2 * s, 0, ranges};
-      watch.Update({truth.x_m * measured, truth.y_m * measured, truth.heading_rad}, {&scan, 1});
+      watch.Update(s, {truth.x_m * measured, truth.y_m * measured, truth.heading_rad}, {&scan, 1});
     }
     watch.Finish();
   }

@@ -27,7 +27,7 @@ Blob WatchWalls(ScanReader& scans, std::size_t own, const std::optional<std::siz
                 GridOptions options, Progress& progress) {
   options.align = false;  // edges in one frame; what that says of walls is decided over the whole run
   LocalGrids grids(options, scans.rings());
-  ScaleWatch scale(scans.beams());
+  ScaleWatch scale(scans.beams(), ahead ? ScaleWatch::Towards::kAhead : ScaleWatch::Towards::kAxes);
   MotionWatch motion(scans.beams());
   std::vector<float> all;
   all.reserve((scans.size() - own) * kBins);
@@ -40,21 +40,15 @@ Blob WatchWalls(ScanReader& scans, std::size_t own, const std::optional<std::siz
     if (ahead && s < *ahead) continue;
     grids.Update(scans.pose(s), read);
     if (s < own) continue;
-    scale.Update(scans.pose(s), read);
+    scale.Update(static_cast<std::int64_t>(s - own), scans.pose(s), read);
     EdgeHistogram edges{};
     for (const Edge& edge : grids.current_edges())
       AddEdge(edge.angle_rad + grids.frame_rad(), Counts(edge), &edges);
     all.insert(all.end(), edges.begin(), edges.end());
   }
   scale.Finish();
-  std::vector<double> along2, along_distance;
-  for (const Approach& approach : scale.approaches()) {
-    along2.push_back(approach.along2_m2);
-    along_distance.push_back(approach.along_distance_m2);
-  }
   Blob blob;
-  blob.PutVector("along2_m2", along2);
-  blob.PutVector("along_distance_m2", along_distance);
+  PutRows("approaches/", scale.approaches(), &blob);
   blob.Put("edges_m", Array::Of<float>({static_cast<std::int64_t>(scans.size() - own), kBins}, all));
   PutRows("motion/", motion.found(), &blob);
   return blob;

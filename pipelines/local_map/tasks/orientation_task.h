@@ -11,8 +11,8 @@
 namespace cairn::local_map {
 
 // `edges_m` [scans - own, kBins]: directions of the current edges modulo pi / 2, in the frame of the rows'
-// poses, of each scan from `own` on. `along2_m2`, `along_distance_m2` of approaches to walls
-// (path/scale_watch.h), which mean something where walls lie along the axes.
+// poses, of each scan from `own` on. `approaches/` to walls (path/scale_watch.h): with `ahead` to what lies
+// ahead of and behind the robot, else along the axes, as walls then do; scans are counted from the first own.
 // `motion/`: what the scans contradict of the rows' motion (path/motion_watch.h), its scans counted from the
 // task's first; only where `ahead` says how many scans at the beginning are of an earlier run, which serve
 // the motion alone.
