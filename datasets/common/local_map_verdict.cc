@@ -299,13 +299,6 @@ std::string LoopsText(const Loops& loops, const Weakest& weakest, const Untied& 
   return text;
 }
 
-// How far the local grids reach to each side; 0: not known.
-double ReachOf(const Blob& result, const kinds::LocalMap& map) {
-  if (!map.snapshots.occupancy) return 0;
-  const std::int64_t half_cells = result.at("snapshots/occupancy").shape()[1] / 2;
-  return static_cast<double>(half_cells) * map.cell_m[0];
-}
-
 // A hall whose walls are further away than the local grids reach.
 void JudgeBlindWays(const Blob& result, const kinds::LocalMap& map, Verdict* verdict) {
   constexpr double kShare = 0.5, kLong_m = 20;
@@ -313,7 +306,7 @@ void JudgeBlindWays(const Blob& result, const kinds::LocalMap& map, Verdict* ver
     const Blind blind = BlindWay(robot);
     verdict->numbers.emplace_back("blind_share", blind.share);
     if (blind.share <= kShare || blind.longest_m <= kLong_m) continue;
-    const double reach_m = ReachOf(result, map);
+    const double reach_m = LocalGridsReach_m(result);
     verdict->Add({Confidence::kLow,
                   fmt::format("on {:.0f}% of the way, {:.0f} m at a stretch, no wall lies within the local "
                               "grids{}: a greater 'half_cells' lets them see further",
@@ -458,6 +451,12 @@ Verdict LocalMapVerdict(const Blob& result) {
   JudgeBlindWays(result, map, &verdict);
   JudgeScans(map, &verdict);
   return verdict;
+}
+
+double LocalGridsReach_m(const Blob& result) {
+  if (!result.Has("snapshots/occupancy") || !result.Has("cell_m")) return 0;
+  const std::int64_t half_cells = result.at("snapshots/occupancy").shape()[1] / 2;
+  return static_cast<double>(half_cells) * result.Scalar<double>("cell_m");
 }
 
 }  // namespace cairn::datasets

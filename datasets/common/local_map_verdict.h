@@ -19,4 +19,7 @@ namespace cairn::datasets {
 // missed.
 Verdict LocalMapVerdict(const Blob& result);
 
+// How far its local grids reach to each side; 0: not known.
+double LocalGridsReach_m(const Blob& result);
+
 }  // namespace cairn::datasets

@@ -55,10 +55,14 @@ Scores SummaryOfLocalMap(const Blob& result) {
   const auto map = Read<kinds::LocalMap>(result);
   const auto traces = static_cast<std::int64_t>(map.traces.robot.size());
   Scores scores;
-  scores.AddForPeople("found", fmt::format("{} trace{}, joined by {} connections", traces,
-                                           traces == 1 ? "" : "s", map.connections.kind.size()));
+  const double reach_m = LocalGridsReach_m(result);
+  scores.AddForPeople("found",
+                      fmt::format("{} trace{}, joined by {} connections{}", traces, traces == 1 ? "" : "s",
+                                  map.connections.kind.size(),
+                                  reach_m > 0 ? fmt::format(", in grids that reach {:g} m", reach_m) : ""));
   scores.AddForPrograms("traces", traces);
   scores.AddForPrograms("connections", static_cast<std::int64_t>(map.connections.kind.size()));
+  scores.AddForPrograms("grids_reach_m", reach_m > 0 ? ScoreValue(reach_m) : ScoreValue());
   return scores;
 }
 

@@ -184,8 +184,7 @@ class Turn {
   void PlanSegments(std::size_t r, const std::vector<Scan>& scans, const char* kind) {
     const std::vector<std::size_t> nodes = ChooseNodes(scans, options_.nodes);
     for (const Stretch& segment : CutSegments(r, scans, options_)) {
-      TaskBuilder task = AddScanTask(kind, std::string(kind) == "walls" ? kWallsUs : kTracesUs, segment,
-                                     PathName(r), &step_.plan);
+      TaskBuilder task = AddScanTask(kind, segment, PathName(r), &step_.plan);
       if (kind == std::string("walls")) continue;
       const auto first = std::ranges::lower_bound(nodes, segment.own);
       const auto last = std::ranges::lower_bound(nodes, segment.end);
@@ -275,6 +274,7 @@ class Turn {
     }
     if (pairs.empty()) return Finish(std::move(loops));
     Share(kPairs, cairn::BlobOf(pairs));
+    const double pair_us = PairUs(round, ScalarsIn<Size>(state()));
     for (std::size_t first = 0; first < pairs.size();) {
       const auto node = static_cast<std::size_t>(pairs[first].node);
       std::size_t end = first;
@@ -283,8 +283,9 @@ class Turn {
       const auto rows = [](std::size_t from, std::size_t to) {
         return BlobRows{static_cast<std::int64_t>(from), static_cast<std::int64_t>(to - from)};
       };
-      TaskBuilder("pairs", PairUs(round) * static_cast<double>(end - first), &step_.plan)
-          .Read("traces", kTraces)
+      TaskBuilder task("pairs", pair_us * static_cast<double>(end - first), &step_.plan);
+      SetSize(state(), &task);
+      task.Read("traces", kTraces)
           .Read("surroundings", kSurroundings, rows(node, last + 1))
           .Read("pairs", kPairs, rows(first, end));
       first = end;
@@ -374,7 +375,7 @@ class Turn {
     Enter(Phase::kFollow);
     for (std::size_t r = 0; r < robots_; ++r) {
       if (all_[r].scans.empty()) continue;
-      AddScanTask("follow", kFollowUs, {r, 0, 0, all_[r].scans.size()}, PathName(r), &step_.plan)
+      AddScanTask("follow", {r, 0, 0, all_[r].scans.size()}, PathName(r), &step_.plan)
           .Read("traces", kTraces)
           .Read("connections", kConnections);
     }

@@ -1,5 +1,7 @@
 #include "pipelines/local_map/local_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +13,7 @@
 #include "pipelines/common/handed_over.h"
 #include "pipelines/local_map/advance.h"
 #include "pipelines/local_map/plan.h"
+#include "pipelines/local_map/size.h"
 #include "pipelines/local_map/tasks/follow_task.h"
 #include "pipelines/local_map/tasks/orientation_task.h"
 #include "pipelines/local_map/tasks/scan_reader.h"
@@ -44,14 +47,15 @@ void RequireFewBeams(const PosedScans& scans, const RobotRuns& robot) {
                    " of a robot's sensors together: leave out most of them");
 }
 
-std::string NoteOf(const std::vector<RobotRuns>& robots, std::size_t unposed) {
+std::string NoteOf(const std::vector<RobotRuns>& robots, std::size_t unposed, const Size& size) {
   std::size_t scans = 0, cuts = 0;
   for (const RobotRuns& runs : robots) {
     scans += runs.scans.size();
     cuts += runs.cuts.size();
   }
   return std::to_string(scans) + " scans" + (cuts > 0 ? ", cut " + std::to_string(cuts) + " times" : "") +
-         (unposed > 0 ? ", " + std::to_string(unposed) + " scans without odometry left out" : "");
+         (unposed > 0 ? ", " + std::to_string(unposed) + " scans without odometry left out" : "") +
+         fmt::format(", grids that reach {:.2f} m", size.reach_m());
 }
 
 Blob CutsBlob(const std::vector<Cut>& cuts) {
@@ -70,6 +74,8 @@ Step LocalMap::Start(const Inputs& inputs) const {
   Step step;
   State& state = *step.plan.mutable_state();
   PutScalars(Standing{.robots = static_cast<std::int64_t>(robots.size())}, "", &state);
+  const Size size = ChooseSize(options_, scans, robots);
+  PutScalars(size, "", &state);
   auto& blobs = *state.mutable_blobs();
   blobs[kLogInput] = log->ContentHash().Binary();
   for (std::size_t r = 0; r < robots.size(); ++r) {
@@ -81,7 +87,7 @@ Step LocalMap::Start(const Inputs& inputs) const {
   double scan_count = 0;
   for (const RobotRuns& runs : robots) scan_count += static_cast<double>(runs.scans.size());
   ExpectRest(options_, scan_count, -1, &step.plan);
-  step.plan.set_note(NoteOf(robots, scans.unposed));
+  step.plan.set_note(NoteOf(robots, scans.unposed, size));
   return step;
 }
 
@@ -149,28 +155,29 @@ Blob FollowAll(const Task& task, const Inputs& inputs, const Options& options, S
 
 Blob LocalMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
   RequireKind(task, {"pairs", "walls", "traces", "follow"});
-  if (task.kind() == "pairs") return MatchPairs(inputs, options_, progress);
-  ScanReader scans(*inputs.Get("log"), *inputs.Get("rings"), *inputs.Get("rows"), options_.ring_beams);
+  const Options options = Sized(options_, SizeOf(task));
+  if (task.kind() == "pairs") return MatchPairs(inputs, options, progress);
+  ScanReader scans(*inputs.Get("log"), *inputs.Get("rings"), *inputs.Get("rows"), options.ring_beams);
   Blob partial;
   if (task.kind() == "walls") {
     std::optional<std::size_t> ahead;
     if (task.params().contains("motion"))
       ahead = static_cast<std::size_t>(IntegerOf(task, "motion", 0, kMostScans));
-    partial = WatchWalls(scans, OwnOf(task, scans), ahead, options_.grid, progress);
+    partial = WatchWalls(scans, OwnOf(task, scans), ahead, options.grid, progress);
     const std::int64_t first = IntegerOf(task, "first", 0, kMostScans);
     partial.PutScalar("first", first);
     partial.PutScalar("own", first + static_cast<std::int64_t>(OwnOf(task, scans)));
   } else if (task.kind() == "traces") {
-    partial = RecordTraces(task, inputs, options_.grid, &scans, progress, options_.record);
+    partial = RecordTraces(task, inputs, options.grid, &scans, progress, options.record);
   } else {
-    partial = FollowAll(task, inputs, options_, &scans, progress);
+    partial = FollowAll(task, inputs, options, &scans, progress);
   }
   partial.PutScalar("robot", static_cast<std::int64_t>(RobotOf(task)));
   return partial;
 }
 
 Step LocalMap::Advance(const State& state, Partials& partials, const Inputs& inputs) const {
-  return AdvanceLocalMap(options_, state, partials, inputs);
+  return AdvanceLocalMap(Sized(options_, ScalarsIn<Size>(state)), state, partials, inputs);
 }
 
 }  // namespace cairn::local_map

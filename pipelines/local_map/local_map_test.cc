@@ -70,22 +70,16 @@ Blob RoomLog(int laps, int missing = 0, int jump_at = -1) {
   return log;
 }
 
-// The same with a laser; in its turn number `missed` its encoders stand still, and along its side number
-// `slips` wheels slip by 1.2 m in 2 s.
-Blob LaserRoomLog(int laps, int missed, int slips = -1) {
-  const std::vector<TestWall> walls = Room();
+// A robot with a laser that moves by `steps`, of which odometry counts `told`, and drifts.
+Blob LaserLog(const std::vector<TestWall>& walls, Pose pose, const std::vector<Pose>& steps,
+              const std::vector<Pose>& told) {
   Rng rng(4);
-  Pose pose{-1.6, -1.6, 0};
   std::vector<double> time, turn, forward, range, x, y, bx, by, bh;
-  for (int k = 0; k < laps * kLap; ++k) {
-    const bool turns = k % 50 >= 40;
-    const Pose step = turns ? Pose{0, 0, M_PI / 20} : Pose{0.08, 0, 0};
-    pose = Compose(pose, step);
-    time.push_back(0.2 * (k + 1));
-    turn.push_back((turns && k / 50 == missed ? 0 : step.heading_rad * 1.01) + 0.0004 + 0.002 * rng.Normal());
-    const int side = k / 50, along = k % 50;
-    const double slip_m = side == slips && along >= 10 && along < 20 ? 0.12 : 0;
-    forward.push_back(step.x_m * 1.01 + slip_m);
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    pose = Compose(pose, steps[k]);
+    time.push_back(0.2 * static_cast<double>(k + 1));
+    turn.push_back(told[k].heading_rad * 1.01 + 0.0004 + 0.002 * rng.Normal());
+    forward.push_back(told[k].x_m * 1.01);
     const std::vector<double> scan = LaserScan(walls, pose, rng);
     range.insert(range.end(), scan.begin(), scan.end());
     x.push_back(pose.x_m);
@@ -103,7 +97,9 @@ Blob LaserRoomLog(int laps, int missed, int slips = -1) {
   log.PutVector("robot/0/odometry/forward_m", forward);
   const std::string laser = "robot/0/laser/";
   log.PutVector(laser + "time_s", time);
-  log.Put(laser + "range_m", Array::Of<double>({laps * kLap, static_cast<std::int64_t>(bh.size())}, range));
+  log.Put(laser + "range_m", Array::Of<double>({static_cast<std::int64_t>(steps.size()),
+                                                static_cast<std::int64_t>(bh.size())},
+                                               range));
   log.PutVector(laser + "beam_x_m", bx);
   log.PutVector(laser + "beam_y_m", by);
   log.PutVector(laser + "beam_heading_rad", bh);
@@ -114,9 +110,40 @@ Blob LaserRoomLog(int laps, int missed, int slips = -1) {
   return log;
 }
 
-BlobPtr Map(const Blob& log) {
+// Round and round the room; in turn number `missed` encoders stand still, and along side number `slips` wheels
+// slip by 1.2 m in 2 s.
+Blob LaserRoomLog(int laps, int missed, int slips = -1) {
+  std::vector<Pose> steps, told;
+  for (int k = 0; k < laps * kLap; ++k) {
+    const int side = k / 50, along = k % 50;
+    const bool turns = along >= 40;
+    steps.push_back(turns ? Pose{0, 0, M_PI / 20} : Pose{0.08, 0, 0});
+    told.push_back(turns && side == missed ? Pose() : steps.back());
+    if (side == slips && along >= 10 && along < 20) told.back().x_m += 0.12;
+  }
+  return LaserLog(Room(), {-1.6, -1.6, 0}, steps, told);
+}
+
+// Twice along the rows of an empty hall of 20 by 14 m, 2.4 m apart.
+Blob HallLog() {
+  std::vector<Pose> steps;
+  const auto ahead = [&](double m) { steps.insert(steps.end(), std::lround(m / 0.1), Pose{0.1, 0, 0}); };
+  const auto turn = [&](int way) { steps.insert(steps.end(), 10, Pose{0, 0, way * M_PI / 20}); };
+  for (const int lap : {1, -1}) {
+    for (int row = 0; row < 5; ++row) {
+      ahead(16);
+      const int way = row % 2 == 0 ? lap : -lap;
+      turn(way);
+      if (row < 4) ahead(2.4);
+      turn(way);
+    }
+  }
+  return LaserLog(TestBox(20, 14, {0, 0, 0}), {-8, -4.8, 0}, steps, steps);
+}
+
+BlobPtr Map(const Blob& log, const Options& options = {}) {
   const auto without = std::make_shared<const Blob>(log.Without("truth/"));
-  return RunInProcess(LocalMap(Options(), 7), {{"log", without}});
+  return RunInProcess(LocalMap(options, 7), {{"log", without}});
 }
 
 // Mean distance between two points of the path, as true and as mapped: no frame needs to be aligned.
@@ -206,6 +233,40 @@ TEST(LocalMap, AJumpOfOdometryCutsTheRunAndTheLoopsJoinItAgain) {
   ASSERT_EQ(map->at("robot/0/cuts/time_s").size(), 1);
   EXPECT_EQ(map->Texts("robot/0/cuts/why")[0], "jump");
   EXPECT_LT(ErrorM(log, *map), 0.15);
+}
+
+Options Small() {
+  Options options;
+  options.grid = GridOptions();
+  options.ring_beams = 72;
+  return options;
+}
+
+TEST(LocalMap, InAHallItsGridsReachTheWalls) {
+  const Blob log = HallLog();
+  const BlobPtr map = Map(log), blind = Map(log, Small());
+  EXPECT_LT(ErrorM(log, *map), 0.1);
+  EXPECT_GT(ErrorM(log, *blind), 0.2);
+  EXPECT_EQ(map->Scalar<double>("cell_m"), 0.3);
+  EXPECT_GT(map->at("snapshots/occupancy").shape()[1], 2 * 7 / 0.3);
+  EXPECT_EQ(blind->at("snapshots/occupancy").shape()[1], 31);
+}
+
+TEST(LocalMap, WhatSeesEnoughWithinTheDefaultKeepsItToTheBit) {
+  const Blob log = LaserRoomLog(2, -1);
+  EXPECT_EQ(Map(log)->ContentHash(), Map(log, Small())->ContentHash());
+}
+
+// A hall costs what its larger grids do.
+TEST(LocalMap, ItsTasksCostKnowsTheSize) {
+  const auto log = std::make_shared<const Blob>(HallLog().Without("truth/"));
+  const auto later = [&](const Options& options) {
+    const Step step = LocalMap(options, 7).Start(MapInputs({{"log", log}}));
+    double cost = 0;
+    for (const auto& phase : step.plan.later()) cost += static_cast<double>(phase.cost());
+    return cost;
+  };
+  EXPECT_GT(later({}), 1.5 * later(Small()));
 }
 
 TEST(LocalMap, ATurnThatOdometryMissesIsTakenFromTheScans) {

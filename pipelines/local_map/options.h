@@ -17,9 +17,9 @@
 namespace cairn::local_map {
 
 struct Options {
-  GridOptions grid;
+  GridOptions grid{.cell_m = 0, .half_cells = 0};  // and ring_beams: 0 where size.h chooses
   std::string sensors;
-  std::int64_t ring_beams = 72;
+  std::int64_t ring_beams = 0;
   RunOptions runs;
   OrientationOptions orientation;
   RecordOptions record;
@@ -38,8 +38,9 @@ void VisitOptions(V& visit, Options& o) {
   visit(Option{"sensors", "", 0, 0,
                "of which sensors, by commas: sonar, infrared, laser, laser2 to laser5; empty: all"},
         o.sensors);
-  visit(Option{"ring_beams", "", 8, 720,
-               "a laser is thinned to so many beams around the full circle, each the nearest of its sector"},
+  visit(Option{"ring_beams", "", 0, 720,
+               "a laser is thinned to so many beams around the full circle, each the nearest of its sector; "
+               "0: 72, in a hall 180"},
         o.ring_beams);
   visit(Option{"jump_mps", "m/s", 0.1, 1e6,
                "a control of a way that is faster is a jump: the run is cut there"},

@@ -23,10 +23,11 @@ std::vector<Stretch> CutSegments(std::size_t robot, const std::vector<Scan>& sca
   return segments;
 }
 
-TaskBuilder AddScanTask(const char* kind, double us_of_scan, const Stretch& stretch,
-                        const std::string& rows_name, proto::Step* plan) {
+TaskBuilder AddScanTask(const char* kind, const Stretch& stretch, const std::string& rows_name,
+                        proto::Step* plan) {
   const auto count = static_cast<std::int64_t>(stretch.end - stretch.first);
-  TaskBuilder task(kind, us_of_scan * static_cast<double>(count), plan);
+  TaskBuilder task(kind, ScanUs(kind, ScalarsIn<Size>(plan->state())) * static_cast<double>(count), plan);
+  SetSize(plan->state(), &task);
   task.Set("robot", stretch.robot)
       .Set("first", stretch.first)
       .Set("own", stretch.own - stretch.first)
@@ -43,7 +44,7 @@ void PlanWalls(std::size_t robot, const std::vector<Scan>& scans, const Options&
                             ? std::size_t{0}
                             : std::min(segment.first, static_cast<std::size_t>(options.warm_up_scans));
     segment.first -= before;
-    AddScanTask("walls", kWallsUs, segment, RowsName(robot), plan).Set("motion", before);
+    AddScanTask("walls", segment, RowsName(robot), plan).Set("motion", before);
   }
 }
 
@@ -54,11 +55,20 @@ constexpr double kTrackUs = 60, kPlanUs = 15, kJoinUs = 10, kKeepUs = 1, kUsualP
 
 }  // namespace
 
-double PairUs(std::int64_t round) { return kPairUs * std::pow(0.6, static_cast<double>(round - 1)); }
+double ScanUs(std::string_view kind, const Size& size) {
+  if (kind == "walls") return 12;
+  return kind == "traces" ? 50 * size.cells() : 300 * size.columns();
+}
+
+double PairUs(std::int64_t round, const Size& size) {
+  return 600 * size.columns() * std::pow(0.6, static_cast<double>(round - 1));
+}
 
 void ExpectRest(const Options& options, double scans, double pairs, proto::Step* plan) {
   const auto [phase, robots, round] = ScalarsIn<Standing>(plan->state());
-  const double walls = scans * kWallsUs, traces = scans * kTracesUs, follow = scans * kFollowUs;
+  const auto size = ScalarsIn<Size>(plan->state());
+  const double walls = scans * ScanUs("walls", size), traces = scans * ScanUs("traces", size),
+               follow = scans * ScanUs("follow", size);
   const bool is_walls = phase == Phase::kWalls || phase == Phase::kWallsAgain;
   plan->set_advance_cost(scans * (is_walls                  ? kTrackUs
                                   : phase == Phase::kTraces ? kPlanUs
@@ -69,7 +79,7 @@ void ExpectRest(const Options& options, double scans, double pairs, proto::Step*
   if (phase == Phase::kFollow) return;
   const double of_round = pairs < 0 ? kUsualPairs * scans : pairs;
   for (std::int64_t next = phase == Phase::kPairs ? round + 1 : 1; next <= options.loop_rounds; ++next)
-    ExpectRounds(1, of_round * PairUs(next) + scans * kJoinUs, 0, plan);
+    ExpectRounds(1, of_round * PairUs(next, size) + scans * kJoinUs, 0, plan);
   ExpectRounds(1, follow, static_cast<double>(robots), plan);
 }
 

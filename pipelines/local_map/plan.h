@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pipelines/common/task_builder.h"
 #include "pipelines/local_map/options.h"
 #include "pipelines/local_map/path/runs.h"
+#include "pipelines/local_map/size.h"
 #include "pipelines/local_map/state.h"
 #include "pipelines/pipeline.h"
 
@@ -38,15 +40,15 @@ std::vector<Stretch> CutSegments(std::size_t robot, const std::vector<Scan>& sca
 
 // Microseconds of a core: a scan of a task of each kind, and a pair, which is looked at less far in each
 // round than in the one before.
-inline constexpr double kWallsUs = 12, kTracesUs = 50, kFollowUs = 300, kPairUs = 600;
-double PairUs(std::int64_t round);
+double ScanUs(std::string_view kind, const Size& size);
+double PairUs(std::int64_t round, const Size& size);
 // After the tasks: what ADVANCE takes, and what is expected to follow the round that the State stands at, by
 // the scans of all robots and the pairs of the round (below 0: not known yet).
 void ExpectRest(const Options& options, double scans, double pairs, proto::Step* plan);
 
-// A task that reads scans [first, end) of the rows `rows_name` of the state.
-TaskBuilder AddScanTask(const char* kind, double us_of_scan, const Stretch& stretch,
-                        const std::string& rows_name, proto::Step* plan);
+// A task that reads scans [first, end) of the rows `rows_name` of the state, which has the Size.
+TaskBuilder AddScanTask(const char* kind, const Stretch& stretch, const std::string& rows_name,
+                        proto::Step* plan);
 // The tasks of a robot that watch walls along dead reckoning.
 void PlanWalls(std::size_t robot, const std::vector<Scan>& scans, const Options& options, proto::Step* plan);
 
