@@ -97,9 +97,9 @@ Blob LaserLog(const std::vector<TestWall>& walls, Pose pose, const std::vector<P
   log.PutVector("robot/0/odometry/forward_m", forward);
   const std::string laser = "robot/0/laser/";
   log.PutVector(laser + "time_s", time);
-  log.Put(laser + "range_m", Array::Of<double>({static_cast<std::int64_t>(steps.size()),
-                                                static_cast<std::int64_t>(bh.size())},
-                                               range));
+  log.Put(laser + "range_m",
+          Array::Of<double>({static_cast<std::int64_t>(steps.size()), static_cast<std::int64_t>(bh.size())},
+                            range));
   log.PutVector(laser + "beam_x_m", bx);
   log.PutVector(laser + "beam_y_m", by);
   log.PutVector(laser + "beam_heading_rad", bh);
@@ -110,8 +110,8 @@ Blob LaserLog(const std::vector<TestWall>& walls, Pose pose, const std::vector<P
   return log;
 }
 
-// Round and round the room; in turn number `missed` encoders stand still, and along side number `slips` wheels
-// slip by 1.2 m in 2 s.
+// Round and round the room; in turn number `missed` encoders stand still, and along side number `slips`
+// wheels slip by 1.2 m in 2 s.
 Blob LaserRoomLog(int laps, int missed, int slips = -1) {
   std::vector<Pose> steps, told;
   for (int k = 0; k < laps * kLap; ++k) {
@@ -129,10 +129,10 @@ Blob HallLog() {
   std::vector<Pose> steps;
   const auto ahead = [&](double m) { steps.insert(steps.end(), std::lround(m / 0.1), Pose{0.1, 0, 0}); };
   const auto turn = [&](int way) { steps.insert(steps.end(), 10, Pose{0, 0, way * M_PI / 20}); };
-  for (const int lap : {1, -1}) {
+  for (int lap = 0; lap < 2; ++lap) {
     for (int row = 0; row < 5; ++row) {
       ahead(16);
-      const int way = row % 2 == 0 ? lap : -lap;
+      const int way = row % 2 == 0 ? 1 : -1;
       turn(way);
       if (row < 4) ahead(2.4);
       turn(way);

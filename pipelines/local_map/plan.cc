@@ -57,11 +57,11 @@ constexpr double kTrackUs = 60, kPlanUs = 15, kJoinUs = 10, kKeepUs = 1, kUsualP
 
 double ScanUs(std::string_view kind, const Size& size) {
   if (kind == "walls") return 12;
-  return kind == "traces" ? 50 * size.cells() : 300 * size.columns();
+  return kind == "traces" ? 50 * size.cells() : 300 * size.finer() * size.finer();
 }
 
 double PairUs(std::int64_t round, const Size& size) {
-  return 600 * size.columns() * std::pow(0.6, static_cast<double>(round - 1));
+  return 600 * size.columns() * std::sqrt(size.finer()) * std::pow(0.6, static_cast<double>(round - 1));
 }
 
 void ExpectRest(const Options& options, double scans, double pairs, proto::Step* plan) {

@@ -51,7 +51,8 @@ std::vector<Sight> SightsOf(const PosedScans& scans, const RobotRuns& robot) {
     const auto near = std::ranges::count_if(met, [&](double r) { return r < near_m; });
     sight.blind = static_cast<double>(near) < kFew * static_cast<double>(beams);
     if (!met.empty()) {
-      const auto rank = met.begin() + static_cast<std::ptrdiff_t>(kReadings * static_cast<double>(met.size()));
+      const auto rank =
+          met.begin() + static_cast<std::ptrdiff_t>(kReadings * static_cast<double>(met.size()));
       std::ranges::nth_element(met, rank);
       sight.far_m = *rank;
     }

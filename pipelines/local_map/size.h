@@ -23,16 +23,16 @@ struct Size {
     field("ring_beams", &Size::ring_beams);
   }
   double reach_m() const { return static_cast<double>(half_cells) * cell_m; }
-  // Cells, and cells to a side, as a multiple of those of Size{}.
+  // Cells, cells to a side and cells to a metre, as a multiple of those of Size{}.
   double cells() const { return columns() * columns(); }
   double columns() const { return static_cast<double>(2 * half_cells + 1) / 31; }
+  double finer() const { return 0.15 / cell_m; }
 };
 
 // What the options do not give: that of Size{} for what sees walls within its reach. Where a robot's lasers
-// drive through a hall, that is, on more than 15% of its way, in stretches of more than 5 m, less than 5% of a
-// scan's beams end within that reach: that of kHall, and no more cells than three quarters of the readings of
-// nine tenths of the way reach.
-// Throws InputError where an option is neither 0 nor within its range.
+// drive through a hall, that is, on more than 15% of its way, in stretches of more than 5 m, less than 5% of
+// a scan's beams end within that reach: that of kHall, and no more cells than three quarters of the readings
+// of nine tenths of the way reach. Throws InputError where an option is neither 0 nor within its range.
 Size ChooseSize(const Options& options, const PosedScans& scans, const std::vector<RobotRuns>& robots);
 inline constexpr Size kHall{.cell_m = 0.3, .half_cells = 60, .ring_beams = 180};
 

@@ -36,12 +36,13 @@ struct GridOptions {
 template <class V>
 void VisitGridOptions(V& visit, GridOptions& o) {
   visit(Option{"cell_m", "m", 0, 2, "edge of a cell of the local grids; 0: 0.15, in a hall 0.3"}, o.cell_m);
-  visit(Option{"half_cells", "", 0, 127,
-               "the grids reach so many cells from the robot's to each side; 0: 15; in a hall, that is, where "
-               "on more than 15% of a robot's way, 5 m and more at a stretch, less than 5% of a laser's beams "
-               "end within 2.25 m, as many as three quarters of the readings of 90% of the way reach, 60 at "
-               "most"},
-        o.half_cells);
+  visit(
+      Option{"half_cells", "", 0, 127,
+             "the grids reach so many cells from the robot's to each side; 0: 15; in a hall, that is, where "
+             "on more than 15% of a robot's way, 5 m and more at a stretch, less than 5% of a laser's beams "
+             "end within 2.25 m, as many as three quarters of the readings of 90% of the way reach, 60 at "
+             "most"},
+      o.half_cells);
   visit(Option{"occupancy_kept", "", 0, 0.999, "of the counts of hits that much is kept each scan"},
         o.occupancy_kept);
   visit(Option{"occupied", "", 0, 1, "hits a scan from which a cell counts as occupied"}, o.occupied);
