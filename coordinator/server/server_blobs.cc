@@ -266,6 +266,7 @@ void Server::AddResults(const std::string& id, wire::Message& reply) {
 void Server::AddSoFar(const std::string& id, wire::Message& reply) {
   const Job& job = *core_.FindJob(id);
   if (const auto hash = job.SoFar()) AddBlob(job.CurrentStage().name(), *hash, reply);
+  reply.envelope.mutable_reply()->mutable_jobs(0)->set_hash(job.hash.Binary());
 }
 
 // They are kept as long as the job may need them.

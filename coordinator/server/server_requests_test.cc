@@ -142,6 +142,7 @@ TEST(ServerRequests, WhatThereIsToSeeOfAJobThatRunsIsHandedOut) {
     ASSERT_EQ(fixture.last_blobs.size(), 1u);
     EXPECT_EQ(fixture.last_blobs[0].blob->Text("text"), "a map of round 0");
     EXPECT_EQ(reply.jobs(0).so_far(), fixture.last_blobs[0].hash.Binary());
+    EXPECT_EQ(reply.jobs(0).hash(), HashOfJob(fixture.MakeJob()).Binary());
   };
   expect_map();
   EXPECT_TRUE(fixture.Ask(Query("1-toy", "pause")).ok());

@@ -64,7 +64,7 @@ struct MapSoFar {
     }
   };
 
-  Texts what, landmarks, robots;
+  Texts what, job, landmarks, robots;
   std::vector<Robot> robot;
   Column<double> edge_x_m, edge_y_m;  // where walls were met
   Map map;
@@ -72,6 +72,7 @@ struct MapSoFar {
 
   static void Fields(const auto& field) {
     field({"so_far/what", ""}, &MapSoFar::what);
+    field({"so_far/job", ""}, &MapSoFar::job);
     field({"so_far/landmarks", "L"}, &MapSoFar::landmarks);
     field({"so_far/robots", "R"}, &MapSoFar::robots);
     field("so_far/robot", &MapSoFar::robot);

@@ -77,6 +77,21 @@ says "^$early is deleted"
 [ ! -e home/store/results/"$id" ] || die "a deleted job's results are still there"
 refuses "nobody'; known: .*$second" cairn status nobody
 
+# What there is to see of a job takes the place of what there was of that job, of another's none.
+for seed in 1 2; do
+  exits 0 cairn submit landmark_map log.h5 --set starts=100 --set iterations=10000 --seed "$seed" --json
+  shown=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
+  until_true 60 cairn results "$shown" --so-far --out "so_far_$seed" >/dev/null 2>&1
+  exits 0 cairn results "$shown" --so-far --out "so_far_$seed"
+  if [ "$seed" -eq 2 ]; then
+    refuses "landmark_map-so-far.h5' is there already, and is not this result" cairn results "$shown" --so-far --out so_far_1
+    rm so_far_1/landmark_map-so-far.h5
+    refuses "so_far_1/.*' is there already, and is of another job" cairn results "$shown" --so-far --out so_far_1
+    exits 0 cairn results "$shown" --so-far --out so_far_1 --force
+  fi
+  exits 0 cairn cancel "$shown"
+done
+
 # A job for each log of a fleet, all with what the command line says; their results each in a folder of its own.
 mkdir logs logs/not-a-log.h5
 cp log.h5 logs/monday.h5

@@ -58,6 +58,7 @@ std::string FilesOfEach(const std::vector<std::vector<std::string>>& jobs) {
 }  // namespace
 
 std::string JobOf(const Blob& result) {
+  if (result.Has("so_far/job")) return result.Text("so_far/job");
   const std::optional<proto::Job> job = SpecOf(result);
   return job ? coordinator::HashOfJob(*job).Hex() : "";
 }

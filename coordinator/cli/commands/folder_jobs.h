@@ -8,7 +8,8 @@
 
 namespace cairn::cli {
 
-// By which the results of a job are told from those of another, wherever either ran; empty: it does not say.
+// By which the results of a job, and what there is to see of one that runs, are told from those of another,
+// wherever either ran; empty: it does not say.
 std::string JobOf(const Blob& result);
 
 // One sentence where `path` is a folder and the results right in it are of several jobs, with the files of

@@ -148,7 +148,10 @@ std::map<std::string, BlobPtr> TakeSoFar(coordinator::Client& client, const std:
     if (KindOf(*blob) != "map_so_far")
       throw InputError("job " + job + ": what its stage '" + stage + "' shows is no map_so_far");
     CheckKind(*blob, "map_so_far");
-    named[stage + "-so-far"] = blob;
+    auto marked = std::make_shared<Blob>(*blob);
+    if (const Result<Hash> job_hash = Hash::FromBinary(facts->job.hash()); job_hash.ok())
+      marked->Put("so_far/job", Array::Text(job_hash.value().Hex()));
+    named[stage + "-so-far"] = std::move(marked);
   }
   if (!named.empty()) return named;
   if (IsCutShort(facts->job))
@@ -166,9 +169,12 @@ std::map<std::string, BlobPtr> TakeInputs(coordinator::Client& client, const std
   return inputs;
 }
 
-bool IsSoFar(const std::string& file) {
-  const auto listed = ListBlobFile(file);
-  return listed.ok() && listed.value().kind == "map_so_far";
+// What there was to see of the same job before, as far as either says its job.
+bool IsSoFarOf(const std::string& file, const std::string& job) {
+  const Result<BlobFile> there = ReadBlobFile(file, {.only = {"so_far/job"}, .without = {}});
+  if (!there.ok() || there.value().kind != "map_so_far") return false;
+  const std::string known = JobOf(there.value().blob);
+  return known.empty() || job.empty() || known == job;
 }
 
 // A file a stage, and the pages of what came: the log, for raw odometry and truth, stays with who has it.
@@ -192,7 +198,7 @@ void Fetch(coordinator::Client& client, const std::string& job, const fs::path& 
   for (const auto& [stage, blob] : results) {
     const std::string file = (folder / (stage + ".h5")).string();
     if (!force && fs::exists(fs::symlink_status(file)) && !Holds(file, *blob) &&
-        !(options.so_far && IsSoFar(file)))
+        !(options.so_far && IsSoFarOf(file, JobOf(*blob))))
       throw InputError("'" + file + "' is there already, and is not this result (--force replaces it)");
   }
   std::vector<std::string> names;
