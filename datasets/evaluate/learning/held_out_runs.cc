@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -35,6 +36,28 @@ bool WasTrainedOn(const HeldOutRun& run, const LearnedNetworks& nets) {
   return any;
 }
 
+// Whatever it is called: more than half of its samples stand where one was trained on, and the networks make
+// the same of both.
+bool IsCopyOfTrained(const HeldOutRun& run, const LearnedNetworks& nets) {
+  constexpr std::size_t kFew = 20;
+  constexpr double kSame = 1e-4;
+  if (run.x_m.size() < kFew) return false;
+  std::multimap<RunPosition, std::size_t> trained;
+  for (std::size_t k = 0; k < nets.samples(); ++k) trained.emplace(RunPosition(nets.x_m[k], nets.y_m[k]), k);
+  std::size_t copies = 0;
+  for (std::size_t k = 0; k < run.x_m.size(); ++k) {
+    const auto [first, last] = trained.equal_range({run.x_m[k], run.y_m[k]});
+    if (first == last) continue;
+    const std::vector<double> output = OutputsOf(nets, run.input.subspan(k * nets.inputs, nets.inputs));
+    copies += std::any_of(first, last, [&](const auto& one) {
+      for (std::size_t i = 0; i < nets.networks; ++i)
+        if (std::abs(nets.output[one.second * nets.networks + i] - output[i]) > kSame) return false;
+      return true;
+    });
+  }
+  return 2 * copies > run.x_m.size();
+}
+
 bool DecidedWhenToStop(const std::string& name, const LearnedNetworks& nets) {
   const auto named = std::ranges::find(nets.runs, name);
   return named != nets.runs.end() &&
@@ -53,7 +76,7 @@ HeldOutRuns ReadHeldOutRuns(const Blob& file, const LearnedNetworks& nets) {
     HeldOutRun run{names[r], r, of.x_m, of.y_m, of.input, of.heading_rad.OrNone()};
     if (run.x_m.empty()) continue;
     if (DecidedWhenToStop(names[r], nets)) held_out.stopped_by.push_back(names[r]);
-    if (WasTrainedOn(run, nets))
+    if (WasTrainedOn(run, nets) || IsCopyOfTrained(run, nets))
       held_out.trained_on.push_back(names[r]);
     else
       held_out.runs.push_back(std::move(run));

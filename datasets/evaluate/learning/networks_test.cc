@@ -194,6 +194,23 @@ TEST(EvaluateNetworks, ARunOfManySamplesIsCutIntoTenBlocks) {
   EXPECT_EQ(In(e, kGlobal).clusters, 10);
 }
 
+TEST(EvaluateNetworks, CopiesOfWhatWasTrainedOnAreLeftOutWhateverTheirName) {
+  std::vector<double> x_m;
+  std::vector<float> input, other, output;
+  for (int k = 0; k < 40; ++k) {
+    x_m.push_back(k);
+    input.push_back(0.1F * static_cast<float>(k));
+    other.push_back(input.back() + 0.05F);
+    output.push_back(1 / (1 + std::exp(-2 / (1 + std::exp(-input.back())))));
+  }
+  const Blob nets = NetworksFile({{.slope = 1, .weight = 2}}, x_m, output);
+  const RunByHand copy{"copy", x_m, input}, real{"real", x_m, other};
+  const NetworkEvaluation e = EvaluateNetworks(nets, SamplesFile({copy, real}));
+  EXPECT_EQ(e.trained_on, std::vector<std::string>{"copy"});
+  ASSERT_EQ(e.runs.size(), 1U);
+  EXPECT_EQ(e.runs[0].name, "real") << "at the same places, but it senses other things";
+}
+
 TEST(EvaluateNetworks, RunsThatWereTrainedOnAreLeftOut) {
   const RunByHand trained{"trained", {0, 10, 20, 30, 40}, {0, 1, 2, 3, 4}}, other{"other", {0, 10}, {0, 1}};
   const Blob nets = NetworksThatNameEveryPosition();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "schema/error.h"
 #include "schema/kinds/learning.h"
@@ -145,6 +146,44 @@ void RequireKnownRuns(const std::vector<std::string>& runs, const std::string& h
   }
 }
 
+// A sample as it was sensed, and where.
+std::string SampleRow(const kinds::Samples::Run& run, std::size_t k, std::size_t inputs) {
+  std::string row;
+  const auto add = [&](const auto& values) {
+    const auto bytes = std::as_bytes(values);
+    row.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  };
+  add(run.x_m.values().subspan(k, 1));
+  add(run.y_m.values().subspan(k, 1));
+  add(run.input.values().subspan(k * inputs, inputs));
+  return row;
+}
+
+// What was recorded once says nothing of what was learned from it, whatever it is called.
+void RequireNoCopy(const kinds::Samples& samples, const std::string& holdout,
+                   const std::vector<std::string>& unseen) {
+  const std::vector<std::string>& names = samples.runs.values();
+  const std::size_t inputs = samples.input_name.values().size();
+  const auto at = static_cast<std::size_t>(std::ranges::find(names, holdout) - names.begin());
+  if (at == names.size()) return;
+  const kinds::Samples::Run& held_out = samples.run[at];
+  std::set<std::string> rows;
+  for (std::size_t k = 0; k < held_out.x_m.size(); ++k) rows.insert(SampleRow(held_out, k, inputs));
+  for (std::size_t r = 0; r < names.size(); ++r) {
+    if (r == at || std::ranges::count(unseen, names[r]) > 0) continue;
+    std::set<std::string> both;
+    for (std::size_t k = 0; k < samples.run[r].x_m.size(); ++k)
+      if (std::string row = SampleRow(samples.run[r], k, inputs); rows.contains(row))
+        both.insert(std::move(row));
+    if (2 * both.size() <= rows.size()) continue;
+    throw InputError("holdout: " + std::to_string(both.size()) + " of " + std::to_string(rows.size()) +
+                     " samples of run '" + holdout + "' are row by row those of run '" + names[r] +
+                     "', which is trained on: it is a copy, and tells nothing of what was learned. Hold out "
+                     "another run, or name '" +
+                     names[r] + "' as unseen");
+  }
+}
+
 }  // namespace
 
 TrainingData TrainingData::Of(const Blob& blob, const std::string& holdout, const InputNorm* given,
@@ -157,6 +196,7 @@ TrainingData TrainingData::Of(const Blob& blob, const std::string& holdout, cons
   const std::size_t inputs = data.input_names.size();
   if (inputs == 0)
     throw InputError("the samples have no inputs; of images `cairn run image_features` makes some");
+  if (!holdout.empty()) RequireNoCopy(samples, holdout, unseen);
   RawSet training, held_out;
   for (std::size_t r = 0; r < all.size(); ++r) {
     if (std::ranges::count(unseen, all[r]) > 0) continue;

@@ -52,6 +52,22 @@ TEST(TrainingData, ComesBackAsItWasStored) {
   EXPECT_EQ(back.training.positions.sin_heading.size(), 160U);
 }
 
+TEST(TrainingData, ARunThatIsACopyOfOneThatIsTrainedOnIsNotHeldOut) {
+  Blob samples = CorridorSamples{.runs = 3}.Make();
+  for (const char* column : {"x_m", "y_m", "input"})
+    samples.Put(std::string("run/2/") + column, samples.at(std::string("run/0/") + column));
+  std::string refusal;
+  try {
+    TrainingData::Of(samples, "run 2");
+  } catch (const InputError& error) {
+    refusal = error.what();
+  }
+  EXPECT_EQ(refusal.find("holdout: 80 of 80 samples of run 'run 2' are row by row those of run 'run 0'"), 0U)
+      << refusal;
+  EXPECT_EQ(TrainingData::Of(samples, "run 1").held_out.size(), 80) << "that one is another";
+  EXPECT_EQ(TrainingData::Of(samples, "run 2", nullptr, {"run 0"}).training.size(), 80);
+}
+
 TEST(TrainingData, OfUnseenRunsNothingIsLeft) {
   const Blob samples = CorridorSamples{.runs = 3}.Make();
   const TrainingData without = TrainingData::Of(samples, "run 2", nullptr, {"run 0"});
