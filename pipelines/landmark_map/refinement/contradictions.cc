@@ -161,7 +161,7 @@ void CheckRobotsFitTheMap(const RoundSum& sum, const std::vector<Perception>& pe
                        gain, kLeastGain * count);
     const std::string text = fmt::format(
         "robot '{}' fits nowhere into the first robot's map: its {:.0f} observations are {}; was it ever "
-        "where the first robot was?",
+        "where the first robot was, and is its odometry in metres, as its ranges are (not in feet)?",
         robots[r], count, than_false);
     throw RobotsContradictError(text + NamesMissing(Read<kinds::Log>(log), r) + kCausesOfErrors +
                                 CausesIn(log));
