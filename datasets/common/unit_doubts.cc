@@ -7,6 +7,7 @@
 
 #include "datasets/common/array_text.h"
 #include "datasets/common/motion_doubts.h"
+#include "datasets/common/range_doubts.h"
 #include "schema/geometry.h"
 #include "schema/kinds/learning.h"
 #include "schema/kinds/log.h"
@@ -402,6 +403,7 @@ std::vector<std::string> FindUnitDoubts(const Blob& blob) {
   for (std::size_t n = 0; n < samples.runs.OrNone().size(); ++n)
     doubts.OfPoses(samples.run[n], "run '" + samples.runs[n] + "'", "samples");
   std::vector<std::string> all = doubts.Take();
+  for (std::string& zeros : ZeroReadingsOf(log)) all.push_back(std::move(zeros));
   return all.empty() ? FindMotionDoubts(log) : all;
 }
 

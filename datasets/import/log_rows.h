@@ -115,6 +115,7 @@ struct RangeRows {
   std::string sensor;  // "laser", "laser2", "sonar"
   std::vector<double> beam_x_m, beam_y_m, beam_heading_rad;
   double opening_rad = 0, max_range_m = 0;
+  bool reach_is_assumed = false;  // max_range_m is a usual one: neither the log nor the user states any
   SpooledRows<double> time_s;
   RangeValues range_m;           // a row of all beams for each scan
   std::vector<float> intensity;  // the same; empty: the sensor does not say

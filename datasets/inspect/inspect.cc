@@ -13,6 +13,7 @@
 #include "datasets/common/networks_verdict.h"
 #include "datasets/common/observation_doubts.h"
 #include "datasets/common/occupancy.h"
+#include "datasets/common/range_doubts.h"
 #include "datasets/common/unit_doubts.h"
 #include "schema/kinds/grid_map.h"
 #include "schema/kinds/kind.h"
@@ -271,7 +272,8 @@ Result<Inspection> Inspect(const std::string& path) {
   for (std::string& robot : RobotsWithoutObservationsOf(blob))
     inspection.warnings.push_back(std::move(robot));
   if (inspection.kind == "log")
-    for (std::string& doubt : ObservationDoubtsOf(blob)) inspection.warnings.push_back(std::move(doubt));
+    for (const auto& doubts : {ObservationDoubtsOf(blob), ConstantReadingsOf(blob)})
+      inspection.warnings.insert(inspection.warnings.end(), doubts.begin(), doubts.end());
   for (const DatasetInfo& dataset : info.value().datasets) {
     inspection.datasets.push_back(Summarize(dataset, blob.at(dataset.name)));
   }

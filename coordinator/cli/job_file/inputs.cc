@@ -7,6 +7,7 @@
 
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/result_file.h"
+#include "datasets/common/range_doubts.h"
 #include "datasets/common/unit_doubts.h"
 #include "schema/kinds/kind.h"
 #include "schema/kinds/odometry_holes.h"
@@ -57,9 +58,10 @@ void Accept(const proto::Job& job, const std::string& name, const JobInput& inpu
 }
 
 // Whoever imported the log was told so, and may be another, or long ago.
-void WarnOfHoles(const std::string& path, const Blob& log) {
-  for (const std::string& hole : OdometryHolesOf(log))
-    std::fprintf(stderr, "cairn: warning: %s: %s\n", path.c_str(), hole.c_str());
+void WarnOf(const std::string& path, const Blob& log) {
+  for (const auto& warnings : {OdometryHolesOf(log), datasets::ConstantReadingsOf(log)})
+    for (const std::string& warning : warnings)
+      std::fprintf(stderr, "cairn: warning: %s: %s\n", path.c_str(), warning.c_str());
 }
 
 class FileBytes : public coordinator::InputBytes {
@@ -96,7 +98,7 @@ std::map<std::string, BlobPtr> ReadJobInputs(ParsedJob& parsed, bool units_are_r
     const std::string& kind = file.value().kind;
     Accept(parsed.job, name, input, kind, file.value().changed,
            units_are_right ? Doubts() : DoubtsOf(kind, file.value().blob));
-    if (kind == "log") WarnOfHoles(input.path, file.value().blob);
+    if (kind == "log") WarnOf(input.path, file.value().blob);
     auto blob = std::make_shared<const Blob>(std::move(file).value().blob);
     (*parsed.job.mutable_input_blobs())[name] = blob->ContentHash().Binary();
     blobs[name] = std::move(blob);

@@ -113,8 +113,10 @@ class CarmenImport {
     };
     RangeRows rows;
     rows.sensor = SensorName(source);
-    rows.max_range_m = options_.max_range_m.value_or(source.max_range_m.value_or(
-        param("robot_front_laser_max", "robot_rear_laser_max").value_or(kSickReach_m)));
+    std::optional<double> reach_m = options_.max_range_m ? options_.max_range_m : source.max_range_m;
+    if (!reach_m) reach_m = param("robot_front_laser_max", "robot_rear_laser_max");
+    rows.max_range_m = reach_m.value_or(kSickReach_m);
+    rows.reach_is_assumed = !reach_m;
     const BeamFan fan = FanOf(source.beams, options_.first_deg, options_.step_deg,
                               param("laser_frontlaser_resolution", "laser_rearlaser_resolution"));
     if (fan.guessed && !source.step_rad)
@@ -136,8 +138,10 @@ class CarmenImport {
     RangeRows rows;
     rows.sensor = "sonar";
     rows.opening_rad = carmen_.sonar.cone_rad;
-    rows.max_range_m =
-        options_.sonar_max_range_m.value_or(carmen_.PositiveParam("robot_sonar_max").value_or(kSonarReach_m));
+    const std::optional<double> reach_m =
+        options_.sonar_max_range_m ? options_.sonar_max_range_m : carmen_.PositiveParam("robot_sonar_max");
+    rows.max_range_m = reach_m.value_or(kSonarReach_m);
+    rows.reach_is_assumed = !reach_m;
     for (const Pose& offset : carmen_.sonar.offsets) {
       rows.beam_x_m.push_back(offset.x_m);
       rows.beam_y_m.push_back(offset.y_m);

@@ -1,5 +1,7 @@
 #include "datasets/import/recorded/range_log.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <compare>
@@ -10,6 +12,7 @@
 #include <span>
 #include <utility>
 
+#include "datasets/common/range_doubts.h"
 #include "datasets/import/name_index.h"
 #include "datasets/import/pose_controls.h"
 #include "datasets/import/repeated_rows.h"
@@ -207,6 +210,21 @@ void DropConstantIntensities(RangeRows* sensor) {
   if (std::ranges::none_of(sensor->intensity, differs)) sensor->intensity.clear();
 }
 
+// A reach that nobody states is the reading that fills up the log, if one does.
+void FindReach(ImportReport* report, RangeRows* sensor) {
+  if (!sensor->reach_is_assumed || sensor->taken) return;
+  std::vector<double> answers(sensor->range_m.begin(), sensor->range_m.end());
+  for (double& range : answers) range = Answer(range, 0, sensor->max_range_m);
+  const auto found = FindConstantReading(answers, sensor->beam_x_m.size());
+  if (!found) return;
+  sensor->max_range_m = found->range_m;
+  report->warnings.push_back(fmt::format(
+      "{0}: {1:.2g}% of its readings are exactly {2:.6g} m, and hardly one is larger: that is "
+      "taken for its reach, where nothing came back (--{3}-max-range-m={2:.6g} says so, and any "
+      "other reach takes them for walls)",
+      sensor->sensor, 100 * found->share, found->range_m, sensor->sensor == "sonar" ? "sonar" : "laser"));
+}
+
 void MarkUnanswered(ImportReport* report, RangeRows* sensor) {
   std::int64_t unanswered = sensor->taken ? sensor->taken->unanswered : 0;
   for (double& range : sensor->range_m) {
@@ -272,6 +290,7 @@ void AddSensed(RangeLog* log, double first_s, double last_s, NameIndex* known, I
     if (sensor.time_s.empty()) continue;
     if (sensor.scans) sensor.taken = std::move(*sensor.scans).Take(rows[i], sensor.beams_kept);
     DropConstantIntensities(&sensor);
+    FindReach(report, &sensor);
     MarkUnanswered(report, &sensor);
     robot.ranges.push_back(std::move(sensor));
   }
