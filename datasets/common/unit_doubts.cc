@@ -7,6 +7,7 @@
 
 #include "datasets/common/array_text.h"
 #include "datasets/common/motion_doubts.h"
+#include "datasets/common/odometry_restart.h"
 #include "datasets/common/range_doubts.h"
 #include "schema/geometry.h"
 #include "schema/kinds/learning.h"
@@ -229,6 +230,7 @@ Course CourseOf(const Walked<double>& x_m, const Walked<double>& y_m, const Walk
 // Each time's last pose of a robot that follows the controls from the origin.
 struct Track {
   std::vector<double> time_s, x_m, y_m, heading_rad;
+  std::vector<std::size_t> row;  // of the controls
 };
 
 Track TrackOfControls(const Walked<double>& time_s, const Walked<double>& turn_rad,
@@ -245,6 +247,7 @@ Track TrackOfControls(const Walked<double>& time_s, const Walked<double>& turn_r
     track.x_m.push_back(pose.x_m);
     track.y_m.push_back(pose.y_m);
     track.heading_rad.push_back(pose.heading_rad);
+    track.row.push_back(i);
   }
   return track;
 }
@@ -293,9 +296,14 @@ std::optional<UnitDoubt> DoubtControls(const Walked<double>& time_s, const Walke
                                        const Walked<double>& forward_m) {
   if (turn_rad.size() != time_s.size() || forward_m.size() != time_s.size()) return std::nullopt;
   if (!AllFinite(time_s) || !AllFinite(turn_rad) || !AllFinite(forward_m)) return std::nullopt;
-  return DoubtMoves(
-      time_s, [&](std::size_t i) { return turn_rad[i]; },
-      [&](std::size_t i) { return std::abs(forward_m[i]); }, "turns", "distances");
+  if (auto doubt = DoubtMoves(
+          time_s, [&](std::size_t i) { return turn_rad[i]; },
+          [&](std::size_t i) { return std::abs(forward_m[i]); }, "turns", "distances"))
+    return doubt;
+  const Track track = TrackOfControls(time_s, turn_rad, forward_m);
+  auto restart = DoubtRestart(track.time_s, track.x_m, track.y_m, track.heading_rad);
+  if (restart) restart->row = track.row[restart->row];
+  return restart;
 }
 
 std::optional<UnitDoubt> DoubtPoses(const Walked<double>& time_s, const Walked<double>& x_m,

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "datasets/common/observation_doubts.h"
+#include "datasets/common/odometry_restart.h"
 #include "datasets/common/range_doubts.h"
 #include "datasets/common/unit_doubts.h"
 #include "datasets/import/truth_doubts.h"
@@ -122,8 +123,12 @@ void DoubtUnits(const RobotRows& robot, bool range_is_known, ImportReport* repor
          DoubtControls(odometry.time_s, odometry.turn_rad, odometry.forward_m), report);
   const Poses& poses = robot.odometry_poses;
   const auto doubt = DoubtPoses(poses.time_s, poses.x_m, poses.y_m, poses.heading_rad);
+  const auto restart = DoubtRestart(poses.time_s, poses.x_m, poses.y_m, poses.heading_rad);
   Tell(poses.from, who, "odometry",
-       doubt ? doubt : DoubtHeadings(poses.time_s, poses.x_m, poses.y_m, poses.heading_rad), report);
+       doubt     ? doubt
+       : restart ? restart
+                 : DoubtHeadings(poses.time_s, poses.x_m, poses.y_m, poses.heading_rad),
+       report);
   for (const auto& [table, rows] : {std::pair{"observations", &robot.observations},
                                     std::pair{"robot_observations", &robot.robot_observations}}) {
     Tell(rows->from, who, table,
