@@ -177,6 +177,7 @@ TEST(CheckRobotsFitTheMap, SaysWhetherItFitsWorseThanFalseOnesOrNotBetterByEnoug
       WhyItFitsNowhere(1.0),
       "its 10 observations are 1.0 nats likelier there than if every one were false, and more than "
       "2.5 would be where it belongs; was it");
+  ExpectContains(WhyItFitsNowhere(1.0), "is its odometry in metres, as its ranges are (not in feet)?");
   EXPECT_EQ(WhyItFitsNowhere(2.6), "");
 }
 
