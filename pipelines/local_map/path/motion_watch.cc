@@ -130,7 +130,8 @@ void MotionWatch::CompareOverStep() {
   const ScanMotion over = near(1, 2);
   for (const auto& [from, to] : {std::pair{1, 2}, {0, 2}, {1, 3}, {0, 3}}) {
     const ScanMotion pair = near(static_cast<std::size_t>(from), static_cast<std::size_t>(to));
-    if (pair.tells < kTells || pair.share >= kElsewhere) return;
+    // What a narrow fan turned away from tells of no other place.
+    if (pair.looked < kTells || pair.share * pair.tells >= kElsewhere * pair.looked) return;
   }
   if (near(0, 1).share >= kExplained && near(2, 3).share >= kExplained) ReportHole(last_[1], last_[2], over);
 }

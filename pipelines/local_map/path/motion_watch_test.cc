@@ -16,13 +16,18 @@ namespace {
 // A robot drives along a corridor, turns round and drives back, five scans a second.
 class WatchedDrive {
  public:
+  WatchedDrive() = default;
+  // Of a laser that sees no more than so much to either side of ahead.
+  explicit WatchedDrive(double sees_rad) : sees_rad_(sees_rad) {}
   // The robot moves so, and odometry says so of it.
   void Move(const Pose& by, const Pose& odometry) {
     truth_ = Compose(truth_, by);
     dead_ = Compose(dead_, odometry);
     time_s_ += kStep_s;
     if (!reads_) return;
-    const std::vector<double> ranges = LaserScan(walls_, truth_, rng_);
+    std::vector<double> ranges = LaserScan(walls_, truth_, rng_);
+    for (std::size_t b = 0; b < ranges.size(); ++b)
+      if (std::abs(beams_[b].heading_rad) > sees_rad_) ranges[b] = NAN;
     const RingScan scan{time_s_, 0, ranges};
     watch_.Update(static_cast<std::int64_t>(scans_.size()), time_s_, dead_, false, {&scan, 1}, true);
     scans_.push_back({.time_s = time_s_, .pose = dead_});
@@ -44,7 +49,9 @@ class WatchedDrive {
   Pose truth_{-4, 0, 0}, dead_;
   double time_s_ = 0;
   bool reads_ = true;
-  MotionWatch watch_{{{LaserBeams(), 0, 10}}};
+  std::vector<Pose> beams_ = LaserBeams();
+  double sees_rad_ = M_PI;
+  MotionWatch watch_{{{beams_, 0, 10}}};
   std::vector<Scan> scans_;
 };
 
@@ -129,6 +136,19 @@ TEST(MotionWatch, SaysWhereTheRobotWasCarriedToAnotherPlace) {
         EXPECT_NEAR(one.from_s, 3 / 0.4, 1);
       }
     }
+  }
+}
+
+// It turns away from what it saw, as odometry says, and sees other things.
+TEST(MotionWatch, ANarrowLaserThatTurnsIsNotCarried) {
+  for (const double sees_rad : {M_PI, kQuarter_rad / 4}) {
+    WatchedDrive drive(sees_rad);
+    drive.Ahead(3);
+    for (int k = 0; k < 2; ++k) {
+      drive.Move({0, 0, 0.42 * kQuarter_rad}, {0, 0, 0.42 * kQuarter_rad});
+      drive.Ahead(1);
+    }
+    for (const Disagreement& one : drive.Found()) EXPECT_FALSE(one.hole) << sees_rad;
   }
 }
 

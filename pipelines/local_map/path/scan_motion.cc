@@ -57,7 +57,7 @@ ScanMotion Weighed(const LaserView& from, const LaserView& to, const Pose& moved
   }
   // A motion that turns most hits out of sight is not explained by the few that are left.
   const double tells = std::max(looked, static_cast<double>(to.some.size()) / 2);
-  return {moved, tells > 0 ? near / tells : 0, tells};
+  return {moved, tells > 0 ? near / tells : 0, tells, looked};
 }
 
 // Around `middle`, so many steps to either side.

@@ -35,7 +35,8 @@ class LaserFan {
 // then where the first saw something; of those in directions in which the first looked.
 struct ScanMotion {
   Pose moved;
-  double share = 0, tells = 0;  // `tells`: how many hits the share is of
+  double share = 0, tells = 0;  // `tells`: how many hits the share is of, half of all at least
+  double looked = 0;            // how many of them lie in such directions
 };
 
 // The best near `odometry`, whose clock may run otherwise than the laser's; itself, where that explains such
