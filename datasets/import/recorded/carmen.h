@@ -26,8 +26,9 @@ struct CarmenImportOptions {
   // Of messages that do not say it themselves (FLASER, RLASER, LASER3, LASER4), else by PARAM, else by the
   // number of beams n: 180/n degrees for 180 and 360, 0.25 for 400 and 401, else 180/(n - 1).
   std::optional<double> first_deg, step_deg;
-  std::optional<double> max_range_m;        // else as the message says, as PARAM says, 50 m or …
-  std::optional<double> sonar_max_range_m;  // … 5 m, less where one reading fills up the log
+  // Else as the message says, as PARAM says, 50 m; sonars 5 m. Where neither says it, one reading that fills
+  // up the log (common/range_doubts.h).
+  std::optional<double> max_range_m, sonar_max_range_m;
   std::map<std::string, Pose> mounts;       // where a laser sits on the robot, for "laser", "laser2", …
 };
 
