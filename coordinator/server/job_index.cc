@@ -5,7 +5,8 @@
 namespace cairn::coordinator {
 
 JobIndex::Filed JobIndex::AsItStands(const Job& job) {
-  Filed filed{job.order, job.hash, job.owner, {}, false, job.Running(), job.Ended()};
+  Filed filed{job.order, job.hash,      job.owner,   {},
+              false,     job.Running(), job.Ended(), job.state == proto::JOB_PAUSED};
   // One that is done would give the same bits again.
   filed.serves = !job.leaving && (!job.Ended() || job.state == proto::JOB_DONE);
   if (job.Final()) return filed;
@@ -64,9 +65,17 @@ void JobIndex::Remove(const Filed& filed) {
   }
 }
 
-const std::string* JobIndex::Serving(const Hash& hash) const {
+const std::string* JobIndex::Serving(const Hash& hash,
+                                     const std::function<bool(const std::string& owner)>& may_command) const {
   const auto same = serving_.find(hash);
-  return same == serving_.end() ? nullptr : same->second.begin()->second;
+  if (same == serving_.end()) return nullptr;
+  const std::string* anothers = nullptr;
+  for (const auto& [order, id] : same->second) {
+    const Filed& filed = filed_.at(*id);
+    if (may_command(filed.owner)) return id;
+    if (anothers == nullptr && !filed.paused) anothers = id;
+  }
+  return anothers;
 }
 
 const OwnedJobs& JobIndex::Of(const std::string& owner) const {

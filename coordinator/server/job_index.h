@@ -33,9 +33,11 @@ class JobIndex {
 
   // With each JobChanged. `job`: as it stands now; null: it is gone.
   void File(const std::string& id, const Job* job);
-  // The first that serves whoever submits the same: of one that has failed, was cancelled or is being deleted
-  // another is wanted. Null: none.
-  const std::string* Serving(const Hash& hash) const;
+  // The first that serves whoever submits the same, of those that he may command if there is one: of one that
+  // has failed, was cancelled or is being deleted another is wanted, and of one that is paused where he may
+  // not resume it. Null: none.
+  const std::string* Serving(const Hash& hash,
+                             const std::function<bool(const std::string& owner)>& may_command) const;
   const OwnedJobs& Of(const std::string& owner) const;
   std::size_t running() const { return running_; }
 
@@ -45,7 +47,7 @@ class JobIndex {
     Hash hash;
     std::string owner;
     std::vector<Hash> inputs;  // that the store needs for it
-    bool serves = false, running = false, ended = false;
+    bool serves = false, running = false, ended = false, paused = false;
     bool operator==(const Filed&) const = default;
   };
   static Filed AsItStands(const Job& job);

@@ -23,8 +23,23 @@ Job JobOf(std::uint64_t order, const std::string& owner, const proto::Job& spec)
 }
 
 std::string ServingIn(const JobIndex& index, const Job& job) {
-  const std::string* id = index.Serving(job.hash);
+  const std::string* id =
+      index.Serving(job.hash, [&job](const std::string& owner) { return owner == job.owner; });
   return id == nullptr ? "" : *id;
+}
+
+TEST(JobIndex, AnothersPausedJobServesNobodyButWhoMayResumeIt) {
+  JobIndex index([](const Hash&) { return 0; });
+  Job anns = JobOf(1, "ann", TestJob()), bobs = JobOf(2, "bob", TestJob());
+  anns.state = proto::JOB_PAUSED;
+  index.File(anns.id, &anns);
+  EXPECT_EQ(ServingIn(index, anns), anns.id);
+  EXPECT_EQ(ServingIn(index, bobs), "");
+  anns.state = proto::JOB_RUNNING;
+  index.File(anns.id, &anns);
+  EXPECT_EQ(ServingIn(index, bobs), anns.id) << "it is computed once";
+  index.File(bobs.id, &bobs);
+  EXPECT_EQ(ServingIn(index, bobs), bobs.id) << "his own comes first";
 }
 
 TEST(JobIndex, TheFirstThatIsNotInVainServes) {

@@ -218,6 +218,7 @@ class Server {
   AccessControl access_control_;
   Refusals refusals_;
   std::map<std::string, std::string> asked_by_;  // "cancelled by desk (Yx8…)", by peer, until it is answered
+  std::set<std::string> joined_;  // peers that submitted what another has, until they are answered
   // Who asked for results or blobs that have yet to be read; the writer reads those of one question at a
   // time.
   struct Waiting {

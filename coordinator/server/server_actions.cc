@@ -85,6 +85,7 @@ void Server::Do(const Answer& answer) {
   gone.set_id(answer.job);
   gone.set_state("deleted");
   if (const auto info = core_.Find(answer.job); info || reply.ok()) *reply.add_jobs() = info.value_or(gone);
+  for (wire::JobInfo& info : *reply.mutable_jobs()) info.set_foreign(joined_.contains(answer.asker));
   Reply(answer.asker, std::move(message));
 }
 

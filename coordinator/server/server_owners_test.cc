@@ -158,6 +158,26 @@ TEST_F(Owners, WhatAnotherHasSubmittedIsKnownAndStaysHis) {
   EXPECT_TRUE(again.known());
   EXPECT_EQ(again.jobs(0).id(), job);
   EXPECT_EQ(again.jobs(0).owner(), "ann");
+  EXPECT_TRUE(again.jobs(0).foreign()) << "he is told";
+  const wire::Reply hers = Ask(submitter_, Submission()).reply();
+  EXPECT_TRUE(hers.known());
+  EXPECT_FALSE(hers.jobs(0).foreign());
+}
+
+// He could neither resume nor cancel it.
+TEST_F(Owners, WhatAnotherHasPausedHoldsNobodysOwn) {
+  const std::string job = AJob();
+  ASSERT_EQ(Ask(submitter_, Query("pause", job)).reply().jobs(0).state(), "paused");
+  ASSERT_TRUE(fixture_.Upload(TextBlob("the log"), "peer of " + other_, other_).ok());
+  const wire::Reply own = Ask(other_, Submission()).reply();
+  ASSERT_TRUE(own.ok()) << own.message();
+  EXPECT_FALSE(own.known());
+  EXPECT_NE(own.jobs(0).id(), job);
+  EXPECT_EQ(own.jobs(0).owner(), "bob");
+  EXPECT_FALSE(own.jobs(0).foreign());
+  EXPECT_EQ(Ask(submitter_, Submission()).reply().jobs(0).id(), job) << "her own is known again, paused";
+  EXPECT_EQ(Ask(other_, Submission()).reply().jobs(0).id(), own.jobs(0).id());
+  EXPECT_EQ(Ask(worker_, Submission()).reply().jobs(0).id(), job) << "an administrator may resume it";
 }
 
 TEST(OwnersWithoutKeys, AreTheUserWhoseSocketItIsAndNobodyIsRefused) {

@@ -62,6 +62,7 @@ void AddPlan(const proto::Job& spec, wire::JobInfo* info) {
 
 void Server::Reply(const std::string& peer, wire::Message reply) {
   asked_by_.erase(peer);
+  joined_.erase(peer);
   reply.envelope.mutable_reply()->set_workers(static_cast<std::uint32_t>(core_.fleet().size()));
   transport_.Send(peer, std::move(reply));
 }
@@ -91,8 +92,11 @@ void Server::Serve(const std::string& peer, const std::string& user, const wire:
   if (wrong.empty()) wrong = CheckJob(job);
   if (wrong.empty()) wrong = LimitMemory(user, job);
   if (!wrong.empty()) return RefuseJob(peer, wire::RefusalKind::kJob, wrong);
-  if (const std::string* known = index_.Serving(HashOfJob(job)); known != nullptr)
+  const auto may_command = [&](const std::string& owner) { return access_control_.MayCommand(user, owner); };
+  if (const std::string* known = index_.Serving(HashOfJob(job), may_command); known != nullptr) {
+    if (!may_command(core_.FindJob(*known)->owner)) joined_.insert(peer);
     return Handle(SubmitJob{*known, job, uploads_.Take(peer), peer});  // told twice
+  }
   if (options_.drains)
     return RefuseAsUnable(
         peer, wire::RefusalKind::kJob,

@@ -15,6 +15,7 @@
 #include "coordinator/cli/job_file/arguments.h"
 #include "coordinator/cli/job_file/inputs.h"
 #include "coordinator/cli/output/job_text.h"
+#include "schema/text.h"
 
 namespace cairn::cli {
 namespace {
@@ -83,6 +84,12 @@ void CheckFleet(const std::vector<ParsedJob>& jobs, bool units_are_right) {
   throw InputError(text);
 }
 
+// Empty: who asks may command it.
+std::string WhoseItIs(const wire::JobInfo& info) {
+  if (!info.foreign()) return "";
+  return info.owner().empty() ? ", of an unknown owner" : ", of " + Escaped(OwnerText(info));
+}
+
 wire::JobInfo SubmitOne(const SubmitArguments& options, coordinator::Client& client, ParsedJob parsed) {
   if (options.priority) parsed.job.set_priority(*options.priority);
   const std::map<std::string, coordinator::Input> inputs =
@@ -91,8 +98,8 @@ wire::JobInfo SubmitOne(const SubmitArguments& options, coordinator::Client& cli
   wire::JobInfo info = Take(client.Submit(parsed.job, inputs, &known));
   if (options.json) return info;
   if (known)
-    std::printf("already there: %s, %s; cairn watch %s\n", info.id().c_str(), info.state().c_str(),
-                info.id().c_str());
+    std::printf("already there: %s, %s%s; cairn watch %s\n", info.id().c_str(), info.state().c_str(),
+                WhoseItIs(info).c_str(), info.id().c_str());
   else
     std::printf("submitted %s; cairn watch %s\n", info.id().c_str(), info.id().c_str());
   return info;

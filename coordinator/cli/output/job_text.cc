@@ -54,10 +54,6 @@ std::string StageText(const wire::JobInfo& job) {
   return fmt::format("{}/{}{}", std::min(job.stage() + 1, job.stages()), job.stages(), name);
 }
 
-std::string OwnerText(const wire::JobInfo& job) {
-  return wire::IsPublicKey(job.owner()) ? wire::ShortKey(job.owner()) : job.owner();
-}
-
 // Of the stage under way: nobody knows what the later ones will take.
 std::string LeftLine(const wire::JobInfo& job) {
   if (job.state() != "running") return "";
@@ -69,6 +65,10 @@ std::string LeftLine(const wire::JobInfo& job) {
 }
 
 }  // namespace
+
+std::string OwnerText(const wire::JobInfo& job) {
+  return wire::IsPublicKey(job.owner()) ? wire::ShortKey(job.owner()) : job.owner();
+}
 
 std::string Dump(const nlohmann::ordered_json& json) {
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";

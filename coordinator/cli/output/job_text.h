@@ -12,6 +12,9 @@
 
 namespace cairn::cli {
 
+// Of a key without a name its first letters.
+std::string OwnerText(const wire::JobInfo& job);
+
 // A table, a line a job.
 std::string JobTable(const std::vector<wire::JobInfo>& jobs);
 
