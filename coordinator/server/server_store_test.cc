@@ -136,6 +136,14 @@ TEST(Retention, AJobThatEndedLongAgoGoesWithItsResultsOverRestarts) {
   EXPECT_EQ(fixture.State(), "") << "it does not come back";
 }
 
+// Of as many jobs, by which it is known that there were such.
+void UntilLogsAreWritten(ServerFixture& fixture, std::size_t jobs) {
+  fixture.Until([&] {
+    return JobTable::JobsWithLogIn(fixture.folder->JobTable()).value().size() == jobs &&
+           !fixture.server->core().HasUnsaved();
+  });
+}
+
 // The disk's folder of a job is lost, with its number in the table: what it found is there.
 TEST(CheckStore, ResultsOfWhichNothingElseIsLeftAreNamedAndTakenBack) {
   ServerFixture fixture;
@@ -144,6 +152,7 @@ TEST(CheckStore, ResultsOfWhichNothingElseIsLeftAreNamedAndTakenBack) {
     fixture.Submit(job, 2);
     fixture.Until([&] { return fixture.State(job) == "done"; });
   }
+  UntilLogsAreWritten(fixture, 2);
   const auto results = fixture.temp.path() / "results";
   const auto before = fixture.server->core().FindJob("3-museum")->results;
   fixture.server.reset();
@@ -154,7 +163,8 @@ TEST(CheckStore, ResultsOfWhichNothingElseIsLeftAreNamedAndTakenBack) {
   for (const bool adopt : {false, true}) {
     const StoreFindings found = CheckStore(*fixture.folder, results, adopt);
     EXPECT_EQ(found.jobs, 0u);
-    EXPECT_TRUE(found.damaged.empty()) << found.damaged[0];
+    ASSERT_EQ(found.damaged.size(), 1u);
+    EXPECT_EQ(found.damaged[0].find("job 4-hall is lost: "), 0u) << found.damaged[0];
     EXPECT_EQ(found.orphaned, std::vector<std::string>{"3-museum"});
     EXPECT_EQ(found.unclaimed, (std::vector<std::string>{"4-hall", "mine"}))
         << "a part is no job that is done";
@@ -176,6 +186,7 @@ TEST(CheckStore, TakesNothingBackThroughALinkNorTwoOfOneNumber) {
     fixture.Submit(job);
     fixture.Until([&] { return fixture.State(job) == "done"; });
   }
+  UntilLogsAreWritten(fixture, 2);
   const fs::path results = fixture.temp.path() / "results", elsewhere = fixture.temp.path() / "elsewhere";
   fixture.server.reset();
   fs::remove_all(fixture.folder->Checkpoints() / "3-museum");
@@ -191,7 +202,8 @@ TEST(CheckStore, TakesNothingBackThroughALinkNorTwoOfOneNumber) {
   for (const char* copy : {"3-museum", "3-copy", "4-copy"}) fs::copy(elsewhere, results / copy);
   const StoreFindings found = CheckStore(*fixture.folder, results, true);
   EXPECT_TRUE(found.orphaned.empty());
-  ASSERT_EQ(found.damaged.size(), 3u);
+  ASSERT_EQ(found.damaged.size(), 4u);
+  EXPECT_EQ(found.damaged[3].find("job 3-museum is lost: "), 0u) << found.damaged[3];
   EXPECT_EQ(found.damaged[0],
             "results/3-copy would be a job of the number that '3-museum' has: move away what is a copy");
   EXPECT_NE(found.damaged[2].find("results/4-copy would be a job of the number that '4-hall' has"),
@@ -244,6 +256,53 @@ TEST(CheckStore, NamesWhatIsDamagedAndTouchesNothing) {
   ASSERT_EQ(found.damaged.size(), 1u);
   EXPECT_NE(found.damaged[0].find("job 3-museum: "), std::string::npos) << found.damaged[0];
   EXPECT_TRUE(std::filesystem::exists(checkpoint)) << "whatever a start would do with it";
+}
+
+// What its log tells is all that is known of it: its folder went with a bad disk, say.
+TEST(CheckStore, AJobThatHasLostItsCheckpointsIsNamedAndItsBlobsStayUntilItIsGivenUp) {
+  namespace fs = std::filesystem;
+  ServerFixture fixture;
+  const Hash input = TextBlob("the log").hash;
+  const auto lines = [&] { return JobTable::JobsWithLogIn(fixture.folder->JobTable()).value(); };
+  const auto is_there = [&] {
+    return fs::exists(fixture.folder->BlobFile(input)) || fs::exists(fixture.folder->FlatFile(input));
+  };
+  const auto ask = [&](const char* action) {
+    wire::Message message;
+    message.envelope.mutable_query()->set_job("3-gone");
+    message.envelope.mutable_query()->set_action(action);
+    EXPECT_TRUE(fixture.Ask(message).ok()) << action;
+  };
+  for (const char* job : {"2-two", "3-gone"}) fixture.Submit(job);
+  UntilLogsAreWritten(fixture, 2);
+  for (const char* action : {"cancel", "delete"}) ask(action);
+  EXPECT_EQ(lines(), std::vector<std::string>{"2-two"}) << "what is deleted is not lost";
+  ASSERT_TRUE(is_there());
+  fixture.server.reset();
+  fs::rename(fixture.folder->Checkpoints() / "2-two", fixture.temp.path() / "lost");
+  const auto damaged = [&] {
+    return CheckStore(*fixture.folder, fixture.temp.path() / "none", false).damaged;
+  };
+  ASSERT_EQ(damaged().size(), 1u);
+  EXPECT_EQ(damaged()[0].find("job 2-two is lost: none of its checkpoints is in "), 0u) << damaged()[0];
+  for (int start = 0; start < 2; ++start) {
+    fixture.Start();
+    EXPECT_TRUE(fixture.Logged("job 2-two is lost: none of its checkpoints is in "));
+    EXPECT_TRUE(is_there());
+  }
+  wire::Message clean;
+  clean.envelope.mutable_clean()->set_damaged(false);
+  EXPECT_NE(fixture.Ask(clean).message().find("job 2-two is lost"), std::string::npos);
+  EXPECT_TRUE(is_there());
+  clean.envelope.mutable_clean()->set_damaged(true);
+  for (const bool dry_run : {true, false}) {
+    clean.envelope.mutable_clean()->set_dry_run(dry_run);
+    const wire::Reply reply = fixture.Ask(clean);
+    ASSERT_GT(reply.cleaned_size(), 0) << reply.message();
+    EXPECT_EQ(reply.cleaned(0).what(), "logs of lost jobs");
+    EXPECT_EQ(is_there(), dry_run);
+  }
+  EXPECT_TRUE(damaged().empty());
 }
 
 // Beside the coordinator of a new build, whose store is another.

@@ -3,6 +3,7 @@
 // Store:  DIR/lock                        flock'ed while a coordinator serves
 //         DIR/holder                      which coordinator that is, for other machines (store/holder.h)
 //         DIR/version                     of the store, a number
+//         DIR/id                          which store it is, whatever DIR is called (store/store_id.h)
 //         DIR/served                      for how long it was served, in all (store/served_file.h)
 //         DIR/jobs.sqlite                 jobs' logs and the highest number of one (WAL); begun anew where it
 //         is lost DIR/blobs/<hash>.h5             a blob that checkpoints name DIR/blobs/pack-<hash>.h5 many

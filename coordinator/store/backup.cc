@@ -16,6 +16,8 @@
 #include "coordinator/store/cleaner.h"
 #include "coordinator/store/folder.h"
 #include "coordinator/store/job_table.h"
+#include "coordinator/store/recovery.h"
+#include "coordinator/store/store_id.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
 #include "schema/store/regular_file.h"
@@ -249,13 +251,25 @@ Status Copier::CopyJob(const std::string& job) {
   return Status::Ok();
 }
 
-// What was deleted there; a job that has lost its checkpoints is none of these.
+// What was deleted there; a job that has lost its checkpoints is none of these. Whoever deletes one removes
+// its log before them: looked for in this order, a job that is being deleted is not taken for lost.
 Status RemoveWhatIsGone(const StoreFolder& from, const StoreFolder& to, Copier& copier) {
-  const std::vector<std::string> there = from.JobsWithCheckpoints();
+  std::set<std::string> gone;
+  for (const std::string& job : to.JobsWithCheckpoints())
+    if (from.CheckpointNumbers(job).empty()) gone.insert(job);
+  const Result<std::vector<std::string>> lost = LostJobs(from);
   std::error_code error;
-  for (const std::string& job : to.JobsWithCheckpoints()) {
-    if (std::ranges::binary_search(there, job)) continue;
-    if (fs::exists(ResultsIn(from.dir(), job), error))
+  for (const std::string& job : lost.ok() ? lost.value() : std::vector<std::string>()) {
+    const bool is_here = !to.CheckpointNumbers(job).empty();
+    copier.KeepWhatItHad(WhyLost(from, job) + (is_here ? "; the copy keeps it as it was" : ""));
+    gone.erase(job);
+  }
+  for (const std::string& job : gone) {
+    if (!lost.ok())
+      copier.KeepWhatItHad(
+          "job " + job +
+          ": it has no checkpoint, and whether it was deleted is not known: " + lost.status().message());
+    else if (fs::exists(ResultsIn(from.dir(), job), error))
       copier.KeepWhatItHad("job " + job + ": it has results, but no checkpoint");
     else if (Status status = to.Forget(job, ResultsIn(to.dir(), job)); !status.ok())
       return status;
@@ -280,37 +294,58 @@ bool HoldsNoMoreThanABeginning(const fs::path& to) {
   return !error;
 }
 
-// As a copy, or a store that is made of one, says it.
-Result<std::string> OfWhich(const fs::path& mark) {
-  constexpr std::size_t kMostBytes = 1 << 13;
-  Result<std::string> of = ReadSmallFile(mark, kMostBytes);
-  return of.ok() ? of.value().substr(0, of.value().find('\n')) : std::move(of);
-}
-
 std::string NameOf(const fs::path& store) {
   std::error_code error;
   return fs::weakly_canonical(store, error).string();
 }
 
-// Nothing that is not a copy of this store is written over.
-Status CheckPlaces(const fs::path& from, const fs::path& to) {
+Status RefuseInside(const fs::path& from, const fs::path& to) {
   std::error_code error;
   const fs::path inside =
       fs::weakly_canonical(to, error).lexically_relative(fs::weakly_canonical(from, error));
-  if (!inside.empty() && *inside.begin() != "..")
-    return {Code::kRefused, to.string() + " lies in the store itself"};
+  if (inside.empty() || *inside.begin() == "..") return Status::Ok();
+  return {Code::kRefused, to.string() + " lies in the store itself"};
+}
+
+// A store that was moved is the same one; of one that was copied both go on by themselves.
+bool IsACopy(const fs::path& from, const BackupOf& of) {
+  const Result<StoreFolder> there = StoreFolder::LookAt(of.store);
+  if (!there.ok()) return false;
+  const Result<StoreId> id = ReadStoreId(there.value().IdFile());
+  std::error_code error;
+  return id.ok() && id.value().id == of.id && !fs::equivalent(of.store, from, error);
+}
+
+// Nothing that is not a copy of this store, or the very one that it was made of, is written over.
+Status CheckPlaces(const fs::path& from, const StoreId& id, const fs::path& to) {
+  if (Status inside = RefuseInside(from, to); !inside.ok()) return inside;
+  std::error_code error;
   if (!fs::exists(to, error) || HoldsNoMoreThanABeginning(to)) return Status::Ok();
-  Result<std::string> of = OfWhich(to / kBackupOf);
-  if (!of.ok()) of = OfWhich(to / kRestoreOf);
+  const Result<BackupOf> of = ReadBackupOf(to / kBackupOf);
   if (!of.ok())
     return {Code::kRefused, to.string() + " is there already, and is no backup: name another folder"};
-  if (of.value() == NameOf(from)) return Status::Ok();
+  const std::string is_of = to.string() + " is a backup of ";
+  if (of.value().id.empty()) {  // then their places say it
+    if (of.value().store == NameOf(from)) return Status::Ok();
+    return {Code::kRefused, is_of + of.value().store + ", not of this store: name another folder"};
+  }
+  if (!id.restored_from.empty() && id.restored_from == of.value().stamp) return Status::Ok();
+  if (id.id != of.value().id)
+    return {
+        Code::kRefused,
+        is_of + "another store than this one, that was at " + of.value().store +
+            (id.restored_from.empty() ? "" : "; or of that which this one was restored from, copied since") +
+            ": name another folder, or move that one away"};
+  if (!IsACopy(from, of.value())) return Status::Ok();
   return {Code::kRefused,
-          to.string() + " is a backup of " + of.value() + ", not of this store: name another folder"};
+          is_of + of.value().store +
+              ", of which this store is a copy (both have the same id): " + "name another folder"};
 }
 
 Status CopyTableAndClock(const StoreFolder& from, const StoreFolder& to, BackupFacts& facts) {
-  const Status table = JobTable::Copy(from.JobTable(), to.JobTable());
+  // Of a job that came only now the copy has no checkpoint: it would be taken for lost there.
+  const auto keep = [&to](const std::string& job) { return !to.CheckpointNumbers(job).empty(); };
+  const Status table = JobTable::Copy(from.JobTable(), to.JobTable(), keep);
   if (!table.ok() && table.code() != Code::kCorrupt && table.code() != Code::kNotFound) return table;
   if (!table.ok()) facts.damaged.push_back("the logs of jobs: " + table.message());
   constexpr std::size_t kMostBytes = 1 << 10;
@@ -318,55 +353,69 @@ Status CopyTableAndClock(const StoreFolder& from, const StoreFolder& to, BackupF
   return served.ok() ? WriteTextAtomically(to.ServedFile(), served.value()) : Status::Ok();
 }
 
+// All but the marks that say which copy this is.
+Result<BackupFacts> CopyStore(const StoreFolder& from, const StoreFolder& to, bool check) {
+  Copier copier(from, to, check);
+  for (const std::string& job : from.JobsWithCheckpoints())
+    if (Status status = copier.CopyJob(job); !status.ok()) return status;
+  if (Status status = RemoveWhatIsGone(from, to, copier); !status.ok()) return status;
+  // Last: no number that a job ever had is given to another.
+  if (Status status = CopyTableAndClock(from, to, copier.facts()); !status.ok()) return status;
+  if (copier.all_known()) BlobFiles(to).RemoveAllBut(copier.named());
+  return std::move(copier.facts());
+}
+
 }  // namespace
 
 Result<BackupFacts> BackUp(const fs::path& from_dir, const fs::path& to_dir, bool check) {
   const Result<StoreFolder> from = StoreFolder::LookAt(from_dir);
   if (!from.ok()) return from.status();
-  if (Status places = CheckPlaces(from_dir, to_dir); !places.ok()) return places;
+  const Result<StoreId> id = ReadStoreId(from.value().IdFile());
+  if (!id.ok()) return id.status();
+  if (Status places = CheckPlaces(from_dir, id.value(), to_dir); !places.ok()) return places;
   const Result<StoreFolder> to = StoreFolder::Open(to_dir);
   if (!to.ok()) return to.status();
-  const std::vector<std::string> jobs = from.value().JobsWithCheckpoints();
-  if (jobs.empty() && !to.value().JobsWithCheckpoints().empty())
+  if (from.value().JobsWithCheckpoints().empty() && !to.value().JobsWithCheckpoints().empty())
     return Status(Code::kRefused, from_dir.string() + " has no job, but the copy in " + to_dir.string() +
                                       " has: is it the right store?");
   std::error_code error;
   fs::remove(to_dir / kBackupMark, error);
-  if (Status status = WriteTextAtomically(to_dir / kBackupOf, NameOf(from_dir) + "\n"); !status.ok())
-    return status;
-  Copier copier(from.value(), to.value(), check);
-  for (const std::string& job : jobs)
-    if (Status status = copier.CopyJob(job); !status.ok()) return status;
-  if (Status status = RemoveWhatIsGone(from.value(), to.value(), copier); !status.ok()) return status;
-  // Last: no number that a job ever had is given to another.
-  if (Status status = CopyTableAndClock(from.value(), to.value(), copier.facts()); !status.ok())
-    return status;
-  if (copier.all_known()) BlobFiles(to.value()).RemoveAllBut(copier.named());
-  if (copier.facts().damaged.empty())
+  const BackupOf of{NameOf(from_dir), id.value().id, NewId()};
+  if (Status status = WriteBackupOf(to_dir / kBackupOf, of); !status.ok()) return status;
+  Result<BackupFacts> facts = CopyStore(from.value(), to.value(), check);
+  if (facts.ok() && facts.value().damaged.empty())
     if (Status status =
-            WriteTextAtomically(to_dir / kBackupMark, std::to_string(copier.facts().jobs) + " jobs\n");
+            WriteTextAtomically(to_dir / kBackupMark, std::to_string(facts.value().jobs) + " jobs\n");
         !status.ok())
       return status;
-  return std::move(copier.facts());
+  return facts;
 }
 
+// Its id is another one, for the store that the backup is of may be served yet. Of the two the first that
+// copies itself there has it: the other is refused from then on.
 Result<BackupFacts> RestoreStore(const fs::path& from, const fs::path& to) {
-  if (const Result<StoreFolder> there = StoreFolder::LookAt(from); !there.ok()) return there.status();
+  const Result<StoreFolder> there = StoreFolder::LookAt(from);
+  if (!there.ok()) return there.status();
   const fs::path mark = to / kRestoreOf;
   std::error_code error;
-  const Result<std::string> of = OfWhich(mark);
-  if (of.ok() && of.value() != NameOf(from))
-    return Status(Code::kRefused, to.string() + " holds a part of " + of.value() +
-                                      ", for `cairn restore` was cut off: `cairn restore " + of.value() +
-                                      " --store " + to.string() + "` goes on with it, or remove that folder");
-  if (!of.ok() && fs::exists(to, error) && !HoldsNoMoreThanABeginning(to))
+  const Result<BackupOf> begun = ReadBackupOf(mark);
+  if (begun.ok() && begun.value().store != NameOf(from))
+    return Status(Code::kRefused, to.string() + " holds a part of " + begun.value().store +
+                                      ", for `cairn restore` was cut off: `cairn restore " +
+                                      begun.value().store + " --store " + to.string() +
+                                      "` goes on with it, or remove that folder");
+  if (!begun.ok() && fs::exists(to, error) && !HoldsNoMoreThanABeginning(to))
     return Status(Code::kRefused,
                   to.string() + " is there already: move it away, or say --store for another place");
-  if (Status places = CheckPlaces(from, to); !places.ok()) return places;
-  if (const Result<StoreFolder> made = StoreFolder::Open(to); !made.ok()) return made.status();
+  if (Status inside = RefuseInside(from, to); !inside.ok()) return inside;
+  const Result<BackupOf> of = ReadBackupOf(from / kBackupOf);  // a store that is no backup may be copied, too
+  const Result<StoreFolder> made = StoreFolder::Open(to);
+  if (!made.ok()) return made.status();
   if (Status marked = WriteTextAtomically(mark, NameOf(from) + "\n"); !marked.ok()) return marked;
-  Result<BackupFacts> facts = BackUp(from, to);
+  Result<BackupFacts> facts = CopyStore(there.value(), made.value(), false);
   if (!facts.ok()) return facts;
+  const StoreId id{NewId(), of.ok() ? of.value().stamp : ""};
+  if (Status given = WriteStoreId(made.value().IdFile(), id); !given.ok()) return given;
   for (const char* last : {kBackupMark, kBackupOf, kRestoreOf}) fs::remove(to / last, error);
   return facts;
 }

@@ -22,22 +22,22 @@ struct BackupFacts {
 };
 
 // Makes `to`, a folder that is not there yet, is empty, or is an earlier copy of the same store, a copy of
-// the store `from`. Jobs that were deleted there go from it. Each copied file is read again, and what it
-// holds is checked; `check`: also what was copied before, which is copied anew where it is damaged.
+// the store `from`, which it is by its id, or, where the copy has none, by its place. A store that was made
+// of the copy as it stands goes on with it: from then on it is that one's. Jobs that were deleted there go
+// from it; one whose checkpoints are lost there stays, and is named. Each copied file is read again, and what
+// it holds is checked; `check`: also what was copied before, which is copied anew where it is damaged.
 // kNotFound: `from` is no store. kRefused: `to` is a store of its own or a copy of another, or lies in
-// `from`; `from` has no job, but the copy has. Of `to` as StoreFolder::Open says, kNoSpace and kIo of its
-// disk.
+// `from`; `from` has the id of the store that `to` is of, which is still there; `from` has no job, but the
+// copy has. Of `to` as StoreFolder::Open says, kNoSpace and kIo of its disk.
 Result<BackupFacts> BackUp(const std::filesystem::path& from, const std::filesystem::path& to,
                            bool check = false);
 
-// Makes `to` a store of the backup `from`. Where one was cut off, the same again goes on with it; until that
-// is done nobody serves it (kRestoreOf in folder.h).
-// kNotFound: `from` is no store. kRefused: `to` holds anything but a restore of `from` that was cut off. Else
-// as BackUp says.
+// Makes `to` a store of the backup `from`, with an id of its own: the one that the backup is of may yet come
+// back. Where one was cut off, the same again goes on with it; until that is done nobody serves it
+// (kRestoreOf in folder.h). kNotFound: `from` is no store. kRefused: `to` holds anything but a restore of
+// `from` that was cut off. Else as BackUp says.
 Result<BackupFacts> RestoreStore(const std::filesystem::path& from, const std::filesystem::path& to);
 
-// In each copy: of which store it is.
-inline constexpr const char* kBackupOf = "backup-of";
 // In a copy that was made to its end. Gone while another is made over it.
 inline constexpr const char* kBackupMark = "backup-is-whole";
 

@@ -14,6 +14,7 @@
 #include "coordinator/server/testing/hub_fixture.h"
 #include "coordinator/store/checkpoint_file.h"
 #include "coordinator/store/job_table.h"
+#include "coordinator/store/store_id.h"
 #include "schema/store/atomic_file.h"
 
 namespace cairn::coordinator {
@@ -46,6 +47,7 @@ class Backup : public ::testing::Test {
       quiet = fixture_.server->core().HasUnsaved() ? 0 : quiet + 1;
       return quiet == 300;
     });
+    fixture_.Until([&] { return !JobTable::JobsWithLogIn(Store().JobTable()).value().empty(); });
   }
   // Nobody writes any more.
   void Stop() {
@@ -241,6 +243,7 @@ TEST_F(Backup, ARestoreThatIsKilledIsServedByNobodyAndTheSameAgainGoesOn) {
   EXPECT_EQ(facts.value().jobs, 1U);
   std::set<fs::path> whole = Tree(To());
   for (const char* mark : {kBackupMark, kBackupOf}) EXPECT_EQ(whole.erase(mark), 1U);
+  whole.insert("id");
   EXPECT_EQ(Tree(back), whole);
   EXPECT_EQ(RestoreStore(To(), back).status().code(), Code::kRefused) << "it is a store of its own now";
   EXPECT_TRUE(StoreFolder::OpenToServe(back, false).ok());
@@ -275,6 +278,133 @@ TEST_F(Backup, ACheckFindsWhatHasRottedAndCopiesItAnew) {
   ASSERT_TRUE(checked.ok());
   EXPECT_EQ(checked.value().files, 1U);
   EXPECT_TRUE(CheckBlobAlone(copy, log).ok());
+}
+
+// A coordinator served it.
+void Serve(const fs::path& store) { ASSERT_TRUE(StoreFolder::OpenToServe(store, false).ok()) << store; }
+
+void ExpectRefused(const fs::path& from, const fs::path& to, const std::string& why) {
+  const Status status = BackUp(from, to).status();
+  EXPECT_EQ(status.code(), Code::kRefused) << from << " to " << to;
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, why, status.message());
+}
+
+// It lies where the one lay that the copy is of.
+TEST_F(Backup, AnotherStoreInTheSamePlaceTakesNoCopyAway) {
+  Stop();
+  Serve(From());
+  Copied();
+  const std::set<fs::path> whole = Tree(To());
+  fs::rename(From(), fixture_.temp.path() / "lost");
+  Serve(From());
+  fs::copy(fixture_.temp.path() / "lost" / "checkpoints" / "a", From() / "checkpoints" / "b",
+           fs::copy_options::recursive);
+  ExpectRefused(From(), To(), "is a backup of another store than this one, that was at " + From().string());
+  EXPECT_EQ(Tree(To()), whole);
+  EXPECT_TRUE(BackUp(fixture_.temp.path() / "lost", To()).ok()) << "it was moved, and is the same";
+}
+
+TEST_F(Backup, AnIdComesWithTheNextServiceAndOneThatWasGivenStays) {
+  Stop();
+  Copied();
+  EXPECT_EQ(ReadBackupOf(To() / kBackupOf).value().id, "");
+  Serve(From());
+  const std::string id = ReadStoreId(From() / "id").value().id;
+  EXPECT_EQ(id.size(), 32U);
+  Copied();
+  EXPECT_EQ(ReadBackupOf(To() / kBackupOf).value().id, id) << "by its place it was known before";
+  ASSERT_TRUE(StoreFolder::OpenToServe(From(), true).ok());
+  EXPECT_EQ(ReadStoreId(From() / "id").value().id, id) << "taken over";
+  std::ofstream(From() / "id") << "rot";
+  ExpectRefused(From(), To(), "another store");
+  Serve(From());
+  ExpectRefused(From(), To(), "another store");
+}
+
+TEST_F(Backup, OfTwoStoresWithOneIdTheCopyStaysItsFirstOnes) {
+  Stop();
+  Serve(From());
+  Copied();
+  const fs::path twin = fixture_.temp.path() / "twin";
+  fs::copy(From(), twin, fs::copy_options::recursive | fs::copy_options::copy_symlinks);
+  ExpectRefused(twin, To(), "of which this store is a copy");
+  EXPECT_TRUE(BackUp(From(), To()).ok());
+}
+
+// Each would remove what the other did.
+TEST_F(Backup, AStoreAndTheOneRestoredOfItNeverWriteOverTheSameCopy) {
+  Stop();
+  Serve(From());
+  Copied();
+  const fs::path back = fixture_.temp.path() / "back", late = fixture_.temp.path() / "late";
+  ASSERT_TRUE(RestoreStore(To(), back).ok());
+  ASSERT_TRUE(RestoreStore(To(), late).ok());
+  Serve(back);
+  EXPECT_TRUE(BackUp(back, To()).ok()) << "it goes on as that store";
+  EXPECT_TRUE(BackUp(back, To()).ok());
+  ExpectRefused(From(), To(), "another store");
+  ExpectRefused(late, To(), "or of that which this one was restored from, copied since");
+  const fs::path second = fixture_.temp.path() / "second";
+  ASSERT_TRUE(BackUp(From(), second).ok());
+  fs::remove_all(late);
+  ASSERT_TRUE(RestoreStore(second, late).ok());
+  ASSERT_TRUE(BackUp(From(), second).ok()) << "the first of the two";
+  ExpectRefused(late, second, "copied since");
+}
+
+TEST_F(Backup, IsServedByNobody) {
+  Stop();
+  Serve(From());
+  Copied();
+  const std::set<fs::path> whole = Tree(To());
+  for (const bool take_over : {false, true}) {
+    const Status served = StoreFolder::OpenToServe(To(), take_over).status();
+    EXPECT_EQ(served.code(), Code::kRefused);
+    EXPECT_PRED_FORMAT2(testing::IsSubstring, "`cairn restore " + To().string() + " --store ANOTHER`",
+                        served.message());
+  }
+  EXPECT_EQ(Tree(To()), whole);
+}
+
+// Its folder went with a bad disk, say; the table still has its log.
+TEST_F(Backup, KeepsTheJobWhoseCheckpointsAreLost) {
+  Copied();
+  const std::set<fs::path> whole = Tree(To());
+  ASSERT_GT(LinesOf(To()), 0U);
+  proto::Checkpoint cancelled;
+  cancelled.set_job_id("b");
+  cancelled.set_number(1);
+  *cancelled.mutable_job() = fixture_.MakeJob();
+  cancelled.set_state(proto::JOB_CANCELLED);
+  fs::create_directories(Store().Checkpoints() / "b");
+  ASSERT_TRUE(WriteCheckpoint(Store().CheckpointFile("b", 1), cancelled).ok());
+  for (const bool with_folder : {true, false}) {
+    fs::rename(Store().Checkpoints() / "a", fixture_.temp.path() / ("lost" + std::to_string(with_folder)));
+    if (with_folder) fs::create_directories(Store().Checkpoints() / "a");
+    const BackupFacts facts = Copied();
+    ASSERT_EQ(facts.damaged.size(), 1U);
+    EXPECT_PRED_FORMAT2(testing::IsSubstring, "job a is lost", facts.damaged[0]);
+    EXPECT_PRED_FORMAT2(testing::IsSubstring, "the copy keeps it as it was", facts.damaged[0]);
+    for (const fs::path& path : whole) EXPECT_EQ(fs::exists(To() / path), path != kBackupMark) << path;
+    EXPECT_GT(LinesOf(To()), 0U);
+  }
+}
+
+// A job that came between its checkpoints and its table would be one that is lost.
+TEST_F(Backup, HasNoLogOfAJobThatItDoesNotHave) {
+  Stop();
+  {
+    Result<JobTable> table = JobTable::Open(StoreFolder::LookAt(From()).value().JobTable());
+    ASSERT_TRUE(table.ok());
+    wire::LogLine line;
+    line.set_utc("2026-01-01T00:00:00Z");
+    line.set_level("info");
+    line.set_text("submitted");
+    ASSERT_TRUE(table.value().AppendLog({{"9-late", {0, {line}}}}).ok());
+  }
+  Copied();
+  const fs::path table = StoreFolder::LookAt(To()).value().JobTable();
+  EXPECT_EQ(JobTable::JobsWithLogIn(table).value(), std::vector<std::string>{"a"});
 }
 
 TEST_F(Backup, OfAJobThatWasDeletedNothingStays) {

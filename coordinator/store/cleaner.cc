@@ -4,6 +4,7 @@
 
 #include "coordinator/store/blob_pack.h"
 #include "coordinator/store/checkpoint_file.h"
+#include "coordinator/store/recovery.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/blob_file.h"
 
@@ -23,6 +24,7 @@ class Cleaner {
       for (const fs::path& file : Leftovers(folder)) Remove("temporary files", file);
     std::set<Hash> needed = options_.needed;
     for (const std::string& job : folder_.JobsWithCheckpoints()) CleanCheckpoints(job, needed);
+    GiveUpTheLost();
     if (!cleaned_.note.empty()) return std::move(cleaned_);
     for (const Hash& hash : folder_.BlobsAlone())
       for (const fs::path& file : {folder_.BlobFile(hash), folder_.FlatFile(hash)})
@@ -73,17 +75,41 @@ class Cleaner {
     for (const std::uint64_t number : numbers) Remove("old checkpoints", folder_.CheckpointFile(job, number));
   }
 
+  void GiveUpTheLost() {
+    const Result<std::vector<std::string>> lost = LostJobs(folder_);
+    if (!lost.ok()) cleaned_.note = "no blob was removed: " + lost.status().message();
+    if (!lost.ok() || lost.value().empty()) return;
+    if (!options_.damaged) {
+      cleaned_.note =
+          "no blob was removed: " + WhyLost(folder_, lost.value().front()) + "; --damaged gives it up";
+      return;
+    }
+    if (!options_.dry_run) {
+      Result<JobTable> table = JobTable::Open(folder_.JobTable());
+      Status status = table.status();
+      for (const std::string& job : lost.value())
+        if (status.ok()) status = table.value().NoteRemoval(job);
+      if (!status.ok()) cleaned_.note = "no blob was removed: " + status.message();
+      if (!status.ok()) return;
+    }
+    Count("logs of lost jobs", lost.value().size(), 0);
+  }
+
   void Remove(const std::string& what, const fs::path& file) {
     std::error_code error;
     const std::uint64_t bytes = fs::file_size(file, error);
     if (error || (!options_.dry_run && !fs::remove(file, error))) return;
+    Count(what, 1, bytes);
+  }
+
+  void Count(const std::string& what, std::uint64_t files, std::uint64_t bytes) {
     auto& removed = cleaned_.removed;
     auto kind = std::ranges::find_if(removed, [&](const wire::Cleaned& k) { return k.what() == what; });
     if (kind == removed.end()) {
       kind = removed.emplace(removed.end());
       kind->set_what(what);
     }
-    kind->set_files(kind->files() + 1);
+    kind->set_files(kind->files() + files);
     kind->set_bytes(kind->bytes() + bytes);
   }
 

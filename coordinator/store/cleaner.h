@@ -28,7 +28,8 @@ struct Cleaned {
 using PackLook = std::function<std::optional<std::vector<Hash>>(const std::filesystem::path& pack)>;
 
 // By whoever writes the store: nobody else may meanwhile. Where a checkpoint cannot be read, nobody knows
-// what it names: no blob goes then.
+// what it names: no blob goes then. The same where a job has lost its checkpoints (LostJobs in recovery.h);
+// with `damaged` it is given up, and its log removed.
 Cleaned CleanStore(const StoreFolder& folder, const CleanOptions& options, const PackLook& look);
 
 // Reads the pack.

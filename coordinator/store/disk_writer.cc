@@ -213,7 +213,6 @@ DiskDone DiskWriter::Do(const ForgetWork& work) {
   done.status = folder_.IsStillThere();
   if (done.status.ok()) done.status = table_.NoteRemoval(work.job);
   if (done.status.ok()) done.status = folder_.Forget(work.job, work.results);
-  if (done.status.ok()) static_cast<void>(table_.Remove(work.job));  // a log too many does no harm
   return done;
 }
 

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "coordinator/store/forget.h"
+#include "coordinator/store/store_id.h"
 #include "schema/store/atomic_file.h"
 #include "schema/store/checksum_trailer.h"
 #include "schema/store/regular_file.h"
@@ -94,8 +95,13 @@ Result<StoreFolder> StoreFolder::OpenToServe(const fs::path& dir, bool take_over
         Code::kRefused,
         dir.string() + " holds a part of a backup, for `cairn restore` was cut off: `cairn restore " +
             of.value().substr(0, of.value().find('\n')) + " --store " + dir.string() + "` goes on with it");
+  if (std::error_code error; fs::exists(fs::symlink_status(dir / kBackupOf, error)))
+    return Status(Code::kRefused, dir.string() + " is a backup, and stays one: `cairn restore " +
+                                      dir.string() +
+                                      " --store ANOTHER` makes a store of it that can be served");
   if (Status status = folder.value().MakeFolders(); !status.ok()) return status;
   if (Status status = folder.value().Claim(take_over); !status.ok()) return status;
+  if (Status status = folder.value().GiveId(); !status.ok()) return status;
   if (Status status = folder.value().Prepare(); !status.ok()) return status;
   return folder;
 }
@@ -124,6 +130,12 @@ Status StoreFolder::Claim(bool take_over) {
   if (Status status = WriteHolder(HolderFile(), next); !status.ok()) return status;
   holder_ = next;
   return Status::Ok();
+}
+
+Status StoreFolder::GiveId() const {
+  const Result<StoreId> id = ReadStoreId(IdFile());
+  if (!id.ok()) return id.status();
+  return id.value().id.empty() ? WriteStoreId(IdFile(), {.id = NewId(), .restored_from = {}}) : Status::Ok();
 }
 
 // A number that is the next one's is not told by its value alone: of a damaged file two might begin with the

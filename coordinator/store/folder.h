@@ -23,6 +23,8 @@ inline constexpr int kStoreVersion = 3;
 
 // In a store that is being made of a backup: of which (RestoreStore).
 inline constexpr const char* kRestoreOf = "restore-of";
+// In each backup: of which store it is (store_id.h).
+inline constexpr const char* kBackupOf = "backup-of";
 
 // Thrown where a file of a store may be whole and yet cannot be read (the disk fails, a right is missing):
 // what it names is not known, so that nothing may be quarantined or removed for its sake.
@@ -51,8 +53,10 @@ class StoreFolder {
   // touched.
   static Result<StoreFolder> Open(const std::filesystem::path& dir);
   // The same for a coordinator: other machines that see the folder find out that it is served (holder.h).
+  // One that has no id yet gets one (store_id.h).
   // kBusy: another machine's has it, as far as anybody knows, and it is not to be taken over. kRefused, too:
-  // not all that a restore brings is there.
+  // it is a backup, whose next one would remove what is done there; or not all that a restore brings is
+  // there.
   static Result<StoreFolder> OpenToServe(const std::filesystem::path& dir, bool take_over);
   // The same of a store that is there, in which nothing is touched but the lock.
   static Result<StoreFolder> OpenAsItIs(const std::filesystem::path& dir);
@@ -67,6 +71,7 @@ class StoreFolder {
   std::filesystem::path JobTable() const { return dir_ / "jobs.sqlite"; }
   std::filesystem::path VersionFile() const { return dir_ / "version"; }
   std::filesystem::path HolderFile() const { return dir_ / "holder"; }
+  std::filesystem::path IdFile() const { return dir_ / "id"; }          // store_id.h
   std::filesystem::path ServedFile() const { return dir_ / "served"; }  // served_file.h
   std::filesystem::path Blobs() const { return dir_ / "blobs"; }
   std::filesystem::path BlobFile(const Hash& hash) const { return Blobs() / (hash.Hex() + ".h5"); }
@@ -110,6 +115,7 @@ class StoreFolder {
   static Result<StoreFolder> Make(const std::filesystem::path& dir);
   Status Prepare();
   Status Claim(bool take_over);
+  Status GiveId() const;
   Status IsStillOurs() const;
   // Against another store whose `blobs` is the same folder, by a mount: each would remove what the other
   // needs.

@@ -138,6 +138,28 @@ Status Remove(sqlite3* db, const std::string& job) {
   return Run(db, prepared.value());
 }
 
+// From one to the next by the key, for a job may have two thousand lines.
+Result<std::vector<std::string>> Jobs(sqlite3* db) {
+  Result<Statement> prepared = sqlite::Prepare(db, "SELECT job FROM log WHERE job > ? ORDER BY job LIMIT 1;");
+  if (!prepared.ok()) return prepared.status();
+  sqlite3_stmt* statement = prepared.value().get();
+  std::vector<std::string> jobs;
+  int step = SQLITE_ROW;
+  while (true) {
+    Bind(statement, 1, jobs.empty() ? "" : jobs.back());
+    if ((step = sqlite3_step(statement)) != SQLITE_ROW) break;
+    std::string job = sqlite::Text(statement, 0);
+    sqlite3_reset(statement);
+    // What a bad disk made of one may be no text, or stand in the wrong place.
+    if (job <= (jobs.empty() ? "" : jobs.back()))
+      return Status(Code::kCorrupt,
+                    std::string(sqlite3_db_filename(db, nullptr)) + ": its lines are not in order");
+    jobs.push_back(std::move(job));
+  }
+  if (step != SQLITE_DONE) return sqlite::Failure(db);
+  return jobs;
+}
+
 Result<DamagedLines> FindDamaged(sqlite3* db) {
   if (Status status = DefineIsDamagedLine(db); !status.ok()) return status;
   Result<Statement> prepared = sqlite::Prepare(

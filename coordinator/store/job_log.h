@@ -45,6 +45,7 @@ Status Append(sqlite3* db, const std::map<std::string, JobLines>& by_job);  // a
 // Those of numbers above `after`.
 Result<std::vector<wire::LogLine>> Read(sqlite3* db, const std::string& job, std::uint64_t after);
 Status Remove(sqlite3* db, const std::string& job);
+Result<std::vector<std::string>> Jobs(sqlite3* db);  // that have lines, sorted by their bytes
 
 // Lines that no coordinator wrote, as a bad disk makes them: whose number is none, or whose texts are none,
 // or hold what no line does. SQLite's own checks look at the tree of pages, not at what the rows say; a

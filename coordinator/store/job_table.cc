@@ -175,24 +175,61 @@ Status JobTable::RemoveDamagedLines() {
   return log_table::RemoveDamaged(db_.get());
 }
 
-Result<log_table::DamagedLines> JobTable::DamagedLinesOfCopy(const std::filesystem::path& copy, bool remove) {
+Result<log_table::DamagedLines> JobTable::DamagedLinesOfCopy(
+    const std::filesystem::path& copy, bool remove, const std::function<bool(const std::string& job)>& keep) {
   Result<JobTable> table = Open(copy);
   if (!table.ok()) return table.status();
   log_table::DamagedLines damaged = table.value().damaged_lines();
   if (damaged.count > 0 && remove)
     if (Status status = table.value().RemoveDamagedLines(); !status.ok()) return status;
+  if (damaged.count > 0 && !remove) return damaged;
+  const Result<std::vector<std::string>> jobs = log_table::Jobs(table.value().db_.get());
+  if (!jobs.ok()) return jobs.status();
+  for (const std::string& job : jobs.value())
+    if (Status status = keep(job) ? Status::Ok() : table.value().Remove(job); !status.ok()) return status;
   return damaged;
 }
 
-Status JobTable::Copy(const std::filesystem::path& from, const std::filesystem::path& to) {
+Result<JobTable> JobTable::OpenToRead(const std::filesystem::path& path) {
   namespace fs = std::filesystem;
   std::error_code error;
-  if (!fs::exists(from, error)) return {Code::kNotFound, from.string() + " is not there"};
+  if (!fs::exists(path, error)) return Status(Code::kNotFound, path.string() + " is not there");
   for (const char* ending : {"", "-wal", "-shm", "-journal"}) {  // SQLite would wait for ever on a FIFO
-    const fs::file_status there = fs::symlink_status(from.string() + ending, error);
+    const fs::file_status there = fs::symlink_status(path.string() + ending, error);
     if (fs::exists(there) && !fs::is_regular_file(there))
-      return {Code::kCorrupt, from.string() + ending + " is no file"};
+      return Status(Code::kCorrupt, path.string() + ending + " is no file");
   }
+  JobTable table;
+  sqlite3* db = nullptr;
+  // A table without a journal beside it is nobody's now: it is read as it lies, also where nothing may be
+  // written.
+  const bool at_rest = !fs::exists(path.string() + "-wal", error);
+  const std::string uri = UriOf(fs::absolute(path).string()) + (at_rest ? "?immutable=1" : "");
+  const int opened = sqlite3_open_v2(uri.c_str(), &db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
+  table.db_.reset(db);
+  if (opened != SQLITE_OK) return Status(Code::kCorrupt, path.string() + ": " + sqlite3_errstr(opened));
+  constexpr int kPatience_ms = 10'000;
+  sqlite3_busy_timeout(db, kPatience_ms);
+  return table;
+}
+
+Result<std::vector<std::string>> JobTable::JobsWithLogIn(const std::filesystem::path& path) {
+  const Result<JobTable> table = OpenToRead(path);
+  if (!table.ok()) return table.status();
+  sqlite3* db = table.value().db_.get();
+  if (Status status = sqlite::Harden(db); !status.ok()) return status;
+  if (Status status = CheckVersionAndTables(db); !status.ok()) return status;
+  const Result<std::int64_t> version = sqlite::Number(db, "PRAGMA user_version;");
+  if (!version.ok()) return version.status();
+  if (version.value() < 3) return std::vector<std::string>();  // it has no logs yet
+  const sqlite::StepLimit limit(db, StepsFor(path));
+  return log_table::Jobs(db);
+}
+
+Status JobTable::Copy(const std::filesystem::path& from, const std::filesystem::path& to,
+                      const std::function<bool(const std::string& job)>& keep) {
+  namespace fs = std::filesystem;
+  std::error_code error;
   const fs::path part = to.parent_path() / "uploads" / "table.part";  // which the next owner removes
   const auto remove = [](const fs::path& file) {
     std::error_code ignored;
@@ -200,21 +237,13 @@ Status JobTable::Copy(const std::filesystem::path& from, const std::filesystem::
   };
   remove(part);
   {
-    JobTable source, target;
-    sqlite3* db = nullptr;
-    // A table without a journal beside it is nobody's now: it is read as it lies, also where nothing may be
-    // written.
-    const bool at_rest = !fs::exists(from.string() + "-wal", error);
-    const std::string uri = UriOf(fs::absolute(from).string()) + (at_rest ? "?immutable=1" : "");
-    const int opened = sqlite3_open_v2(uri.c_str(), &db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
-    source.db_.reset(db);
-    if (opened != SQLITE_OK) return {Code::kCorrupt, from.string() + ": " + sqlite3_errstr(opened)};
-    constexpr int kPatience_ms = 10'000;
-    sqlite3_busy_timeout(source.db_.get(), kPatience_ms);
+    const Result<JobTable> source = OpenToRead(from);
+    if (!source.ok()) return source.status();
     Result<JobTable> made = OpenUnchecked(part);
     if (!made.ok()) return made.status();
-    target = std::move(made).value();
-    sqlite3_backup* const backup = sqlite3_backup_init(target.db_.get(), "main", source.db_.get(), "main");
+    const JobTable target = std::move(made).value();
+    sqlite3_backup* const backup =
+        sqlite3_backup_init(target.db_.get(), "main", source.value().db_.get(), "main");
     if (backup == nullptr) return sqlite::Failure(target.db_.get());
     sqlite3_backup_step(backup, -1);
     const int copied = sqlite3_backup_finish(backup);
@@ -223,7 +252,7 @@ Status JobTable::Copy(const std::filesystem::path& from, const std::filesystem::
     if (copied != SQLITE_OK) return sqlite::Failure(target.db_.get(), part.string());
   }
   const bool replaces = fs::exists(to, error);
-  const Result<log_table::DamagedLines> damaged = DamagedLinesOfCopy(part, !replaces);
+  const Result<log_table::DamagedLines> damaged = DamagedLinesOfCopy(part, !replaces, keep);
   Status whole = damaged.status();
   if (damaged.ok() && damaged.value().count > 0)
     whole = {Code::kCorrupt, from.string() + ": damaged lines: " + std::to_string(damaged.value().count) +
@@ -282,6 +311,7 @@ Status JobTable::NoteRemoval(const std::string& job) {
   const std::string number = std::to_string(last_number_);
   Status status = Execute(
       ("PRAGMA synchronous = FULL; UPDATE last_number SET number = max(number, " + number + ");").c_str());
+  if (status.ok()) status = Remove(job);
   const Status normal = Execute("PRAGMA synchronous = NORMAL;");
   return status.ok() ? normal : status;
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,16 +32,22 @@ class JobTable {
   static Result<JobTable> Open(const std::filesystem::path& path);
   // LastNumber() of a table that may be damaged; 0 where it cannot be told.
   static std::uint64_t LastNumberIn(const std::filesystem::path& path);
+  // Those that have a log, sorted, of a table that another process may have open. kCorrupt: it cannot be
+  // read.
+  static Result<std::vector<std::string>> JobsWithLogIn(const std::filesystem::path& path);
   // A copy of a table that another process may have open, in the place of what is at `to`; whole or not at
   // all. Only read there; what is in it is looked at by Open. kNotFound; kCorrupt: also of damaged lines,
   // which are then left out, or, where there is a copy already, it stays.
-  static Status Copy(const std::filesystem::path& from, const std::filesystem::path& to);
+  // `keep`: whose logs.
+  static Status Copy(const std::filesystem::path& from, const std::filesystem::path& to,
+                     const std::function<bool(const std::string& job)>& keep);
   JobTable(JobTable&&) noexcept = default;
   JobTable& operator=(JobTable&&) noexcept = default;
 
   // When a job is durable.
   Status NoteNumber(const std::string& job);
-  // Before a job's checkpoints go. Durable when it returns, so that the job's number is never used again.
+  // Before a job's checkpoints go. Durable when it returns, so that the job's number is never used again, and
+  // that it has no log, by which it would be taken for lost (LostJobs in recovery.h).
   Status NoteRemoval(const std::string& job);
   // Its log.
   Status Remove(const std::string& job);
@@ -60,7 +67,10 @@ class JobTable {
   };
   JobTable() = default;
   static Result<JobTable> OpenUnchecked(const std::filesystem::path& path);
-  static Result<log_table::DamagedLines> DamagedLinesOfCopy(const std::filesystem::path& copy, bool remove);
+  static Result<JobTable> OpenToRead(const std::filesystem::path& path);
+  static Result<log_table::DamagedLines> DamagedLinesOfCopy(
+      const std::filesystem::path& copy, bool remove,
+      const std::function<bool(const std::string& job)>& keep);
   Status Execute(const char* sql) const;
   Status MakeOrUpgrade() const;
 

@@ -218,6 +218,14 @@ std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, Inp
     named.insert(restore.previous_blobs.begin(), restore.previous_blobs.end());
     jobs.push_back(std::move(restore));
   }
+  const Result<std::vector<std::string>> lost = LostJobs(folder);
+  if (!lost.ok()) log(Severity::kWarning, "", lost.status().message());
+  const std::vector<std::string> told = folder.JobsWithCheckpoints();
+  for (const std::string& job : lost.ok() ? lost.value() : std::vector<std::string>())
+    if (!std::ranges::binary_search(told, job))
+      log(Severity::kError, "",
+          WhyLost(folder, job) + "; blobs that nobody needs stay for its sake until `cairn clean --damaged`");
+  all_known = all_known && lost.ok() && lost.value().empty();
   // What a damaged checkpoint named may be all that is left of its job: `cairn clean` removes it, when told.
   if (all_known) files.RemoveAllBut(named);
   std::sort(jobs.begin(), jobs.end(), [](const RestoreJob& a, const RestoreJob& b) {
@@ -225,6 +233,28 @@ std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, Inp
            std::tuple(b.checkpoint.order(), b.checkpoint.job_id());
   });
   return jobs;
+}
+
+Result<std::vector<std::string>> LostJobs(const StoreFolder& folder) {
+  std::error_code error;
+  if (!fs::exists(folder.JobTable(), error)) return std::vector<std::string>();
+  Result<std::vector<std::string>> jobs = JobTable::JobsWithLogIn(folder.JobTable());
+  if (!jobs.ok()) return jobs;
+  std::erase_if(jobs.value(), [&folder](const std::string& job) {
+    return !IsPlainName(job) || !folder.CheckpointNumbers(job).empty();
+  });
+  if (jobs.value().empty()) return jobs;
+  // Whether it was being deleted.
+  const Result<std::vector<std::string>> now = JobTable::JobsWithLogIn(folder.JobTable());
+  if (!now.ok()) return now;
+  std::erase_if(jobs.value(),
+                [&now](const std::string& job) { return !std::ranges::binary_search(now.value(), job); });
+  return jobs;
+}
+
+std::string WhyLost(const StoreFolder& folder, const std::string& job) {
+  return "job " + job + " is lost: none of its checkpoints is in " + (folder.Checkpoints() / job).string() +
+         ", and it was not deleted";
 }
 
 StoreFindings CheckStore(const StoreFolder& folder, const fs::path& results, bool adopt) {
@@ -270,6 +300,12 @@ StoreFindings CheckStore(const StoreFolder& folder, const fs::path& results, boo
     if (const Status made = MakeJobOf(folder, record); !made.ok())
       found.damaged.push_back("job " + job + ": " + made.message());
   }
+  const Result<std::vector<std::string>> lost = LostJobs(folder);
+  if (!lost.ok()) found.damaged.push_back("the logs of jobs: " + lost.status().message());
+  for (const std::string& job : lost.ok() ? lost.value() : std::vector<std::string>())
+    if (std::ranges::find(jobs, job) == jobs.end() &&
+        std::ranges::find(found.orphaned, job) == found.orphaned.end())
+      found.damaged.push_back(WhyLost(folder, job));
   return found;
 }
 

@@ -26,12 +26,19 @@ struct PublishedFiles {
 // The last good checkpoint of every job, in the order of submission. A damaged one, or one whose blobs are
 // missing or damaged, is named, renamed to FILE.damaged, and the one before is taken. Blobs that none of the
 // kept checkpoints names, and leftovers of interrupted writes, are removed, unless a checkpoint was not good.
-// A job whose input is missing or damaged has failed.
+// A job whose input is missing or damaged has failed. One that has lost its checkpoints is named, and blobs
+// stay that it may need.
 // A job of which no checkpoint can be read, but whose results are all there and whole, is done: its record is
 // made of them, and written. Throws UnreadableStore where a checkpoint or a blob that one names cannot be
 // read and may be whole.
 std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, InputsOf inputs,
                                 const PublishedFiles& published, const JobLogSink& log);
+
+// Jobs that have a log, but no checkpoint that could be read: what is deleted loses its log first. Another
+// process may serve the store. Where the job table cannot be read, nobody knows.
+Result<std::vector<std::string>> LostJobs(const StoreFolder& folder);
+std::string WhyLost(const StoreFolder& folder,
+                    const std::string& job);  // a sentence that begins with the job
 
 // What a look through a store finds, a sentence each, for people.
 struct StoreFindings {

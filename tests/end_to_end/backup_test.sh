@@ -86,6 +86,7 @@ refuses 'home/store is there already' cairn restore copy
 mkdir mine && touch mine/thesis.tex
 refuses "mine is there already, and is no backup" cairn backup mine
 refuses "home/store is there already, and is no backup" cairn backup home/store --store copy
+refuses 'copy is a backup, and stays one: .cairn restore .*copy --store ANOTHER.' cairn coordinator --store copy
 
 # One byte of the copy changed: a restore says what it does not bring back, and its exit code too.
 rm copy/backup-is-whole

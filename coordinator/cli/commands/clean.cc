@@ -65,7 +65,8 @@ void AddClean(Command app, Invocation& call) {
                                  "cairn clean --dry-run\n  cairn clean --damaged", Clean, &command);
   AddClientArguments(command, options->client);
   command.Add("--store", options->store, "A store that no coordinator has at the moment, by its folder");
-  command.AddFlag("--damaged", options->clean.damaged, "Also what was quarantined as damaged");
+  command.AddFlag("--damaged", options->clean.damaged,
+                  "Also what was quarantined as damaged, and jobs that are lost");
   command.AddFlag("--dry-run", options->clean.dry_run, "Only say what would be removed");
   command.AddFlag("--json", options->json, "As JSON");
 }
