@@ -28,7 +28,7 @@ set(CAIRN_LINKS_datasets_inspect "schema/store|datasets/common|nlohmann_json::.*
 set(CAIRN_LINKS_datasets_import "datasets/common|ZLIB::.*")
 set(CAIRN_LINKS_datasets_import_recorded "datasets/(common|import)")
 set(CAIRN_LINKS_datasets_bag
-  "schema/store|datasets/(common|detect|import)|datasets/import/recorded|SQLite::.*|BZip2::.*|PkgConfig::CAIRN_(LZ4|ZSTD)")
+  "schema/store|datasets/(common|detect|import)|datasets/import/recorded|SQLite::.*|BZip2::.*|ZLIB::.*|PkgConfig::CAIRN_(LZ4|ZSTD)|yaml-cpp(::.*)?")
 set(CAIRN_LINKS_datasets_detect "datasets/import|Eigen3::.*")
 set(CAIRN_LINKS_datasets_simulate "datasets/(common|simulate)")
 set(CAIRN_LINKS_datasets_simulate_corridor "datasets/(common|simulate)|pipelines/image_features")

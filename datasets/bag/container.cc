@@ -62,6 +62,23 @@ std::size_t Container::FindOrAdd(Channel channel) {
   return channels_.size() - 1;
 }
 
+std::vector<std::uint64_t> Container::Read(const std::vector<bool>& wanted, const Take& take,
+                                           const Broken& broken) {
+  std::vector<std::uint64_t> found(channels_.size());
+  ReadMessages(
+      wanted,
+      [&](Message message) {
+        message.number = ++found[message.channel];
+        take(message);
+      },
+      broken);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (wanted[i] && found[i] != channels_[i].messages)
+      remarks_.push_back(std::to_string(channels_[i].messages) + " messages of " + channels_[i].topic +
+                         " are counted in it, and " + std::to_string(found[i]) + " were found");
+  return found;
+}
+
 void Container::Cover(std::int64_t first_ns, std::int64_t last_ns) {
   first_ns_ = std::min(first_ns_, first_ns);
   last_ns_ = std::max(last_ns_, last_ns);

@@ -59,10 +59,13 @@ class Container {
 
   // Hands the messages of those channels that are `wanted` to `take`, in the order of the file; chunks that
   // an index says hold none of them are not read. `broken` hears of each part that cannot be read; where it
-  // returns, what follows is read, as far as it can be found.
-  virtual void Read(const std::vector<bool>& wanted, const Take& take, const Broken& broken) = 0;
+  // returns, what follows is read, as far as it can be found. Returns how many there were of each channel;
+  // where that is not its `messages`, a remark says so.
+  std::vector<std::uint64_t> Read(const std::vector<bool>& wanted, const Take& take, const Broken& broken);
 
  protected:
+  // As Read; the messages' numbers are set by it.
+  virtual void ReadMessages(const std::vector<bool>& wanted, const Take& take, const Broken& broken) = 0;
   // Throw InputError: a definition is of more than a megabyte, or all that is kept of names and definitions
   // of more than 64. Of equal texts one is kept.
   std::string_view Keep(std::string_view text);
@@ -90,6 +93,15 @@ std::unique_ptr<Container> OpenContainer(const std::string& path);
 // The bag files that a path names: itself, or those of a folder of rosbag2 (.db3, .mcap), in the order of
 // their numbers. Throws InputError where a folder has none.
 std::vector<std::string> BagFilesOf(const std::string& path);
+
+// Those files, opened, and a folder's metadata.yaml held against them (rosbag2_folder.cc). Throws InputError
+// as BagFilesOf and OpenContainer do.
+struct OpenedBags {
+  std::vector<std::unique_ptr<Container>> files;  // as BagFilesOf has them
+  std::vector<std::string> missing;               // that metadata.yaml names, and that are not there
+  std::vector<std::string> remarks;               // for people: what else is not as metadata.yaml says
+};
+OpenedBags OpenBags(const std::string& path);
 
 // What SQLite files of rosbag2 begin with, and have in them.
 std::unique_ptr<Container> OpenSqliteBag(const std::string& path);

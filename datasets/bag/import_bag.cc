@@ -1,7 +1,10 @@
 #include "datasets/bag/import_bag.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -21,14 +24,6 @@ namespace {
 
 using bag::Topic;
 using bag::Use;
-
-std::vector<std::unique_ptr<bag::Container>> OpenBags(const std::vector<std::string>& paths) {
-  std::vector<std::unique_ptr<bag::Container>> bags;
-  for (const std::string& path : paths)
-    for (const std::string& file : bag::BagFilesOf(path)) bags.push_back(bag::OpenContainer(file));
-  std::ranges::stable_sort(bags, {}, [](const auto& one) { return one->first_ns(); });
-  return bags;
-}
 
 // What to do with a message, or a part of a file, that cannot be used: stop, or skip and count.
 class BadMessages {
@@ -94,7 +89,8 @@ class BagImport {
 
  private:
   void Gather() {
-    bags_ = OpenBags(options_.files);
+    for (const std::string& path : options_.files) Open(path);
+    std::ranges::stable_sort(bags_, {}, [](const auto& one) { return one->first_ns(); });
     topics_ = bag::TopicsOf(bags_);
     if (topics_.empty()) RefuseWithoutTopics();
     SetClock();
@@ -108,6 +104,19 @@ class BagImport {
       robot.mounts = options_.mounts;
       robot.path = bags_.size() == 1 ? bags_.front()->path() : options_.files.front() + " and others";
     }
+  }
+
+  void Open(const std::string& path) {
+    bag::OpenedBags opened = bag::OpenBags(path);
+    if (!opened.missing.empty())
+      throw InputError("'" + path + "': its metadata.yaml names " +
+                       fmt::format("{}", fmt::join(opened.missing, ", ")) +
+                       ", and that is not there: a part of the recording is missing. Put it there, or go on "
+                       "without: name the "
+                       "files one by one, '" +
+                       opened.files.front()->path() + "' first");
+    for (const std::string& remark : opened.remarks) report_.warnings.push_back(path + ": " + remark);
+    std::ranges::move(opened.files, std::back_inserter(bags_));
   }
 
   // What is wrong with the files is said before what could be chosen of them.
@@ -223,13 +232,16 @@ class BagImport {
     std::vector<ChannelInHand> readers = ReadersOf(*one);
     std::vector<bool> wanted;
     for (const ChannelInHand& reader : readers) wanted.push_back(reader.topic != nullptr);
-    for (const std::string& remark : one->remarks()) report_.warnings.push_back(one->path() + ": " + remark);
     const auto take = [&](const bag::Message& message) {
       TakeMessage(*one, &readers[message.channel], message);
     };
-    one->Read(wanted, take, [&](const std::string& what) {
+    const std::vector<std::uint64_t> found = one->Read(wanted, take, [&](const std::string& what) {
       bad_.Add(one->path() + ": " + LastMessage(), {"part of a file that cannot be read", what});
     });
+    for (const std::string& remark : one->remarks()) report_.warnings.push_back(one->path() + ": " + remark);
+    for (std::size_t i = 0; i < found.size(); ++i)
+      if (wanted[i] && !readers[i].topic->reader->is_aside() && found[i] < one->channels()[i].messages)
+        missing_ += static_cast<std::int64_t>(one->channels()[i].messages - found[i]);
   }
 
   std::string LastMessage() const {
@@ -270,10 +282,11 @@ class BagImport {
       taken += topic.taken;
       if (topic.taken > 0) report_.read["messages of " + topic.name] = topic.taken;
     }
-    if (bad_.skipped() <= taken) return;
+    const std::int64_t lost = bad_.skipped() == 0 ? 0 : bad_.skipped() + missing_;
+    if (lost <= taken) return;
     throw InputError(options_.files.front() + ": --skip-bad leaves " + std::to_string(taken) + " of " +
-                     std::to_string(taken + bad_.skipped()) + " messages, less than half; skipped: " +
-                     bad_.Reasons() + ". Without --skip-bad the first such message is named");
+                     std::to_string(taken + lost) + " messages, less than half; skipped: " + bad_.Reasons() +
+                     ". Without --skip-bad the first such message is named");
   }
 
   // Topics whose headers were written by other clocks than the odometry's.
@@ -305,6 +318,7 @@ class BagImport {
   std::vector<bag::FindMount> mounts_;  // of each robot, where clouds need them
   const TopicInHand* last_topic_ = nullptr;
   std::uint64_t last_number_ = 0;
+  std::int64_t missing_ = 0;  // messages that files count, and that could not be found in them
 };
 
 }  // namespace

@@ -22,7 +22,8 @@ TEST_F(ImportBagTest, AllContainersHoldTheSameDrive) {
       ExpectSmallDrive(std::string("bag of ") + how);
     }
   for (const char* how : {"", "lz4", "zstd"})
-    for (const McapForm form : {McapForm::kChunked, McapForm::kWithoutIndex, McapForm::kWithoutChunks}) {
+    for (const McapForm form :
+         {McapForm::kChunked, McapForm::kWithoutIndex, McapForm::kWithoutChunks, McapForm::kLooseEnd}) {
       Import(bag::McapBytes(cdr, how, form), "drive.mcap");
       ExpectSmallDrive(std::string("mcap of ") + how);
     }

@@ -91,8 +91,8 @@ void LookThrough(bag::Container* file, std::vector<BagTopic>* topics, std::set<s
 }  // namespace
 
 BagInspection InspectBag(const std::string& path) {
-  std::vector<std::unique_ptr<bag::Container>> files;
-  for (const std::string& file : bag::BagFilesOf(path)) files.push_back(bag::OpenContainer(file));
+  const bag::OpenedBags opened = bag::OpenBags(path);
+  const auto& files = opened.files;
   BagInspection inspection;
   inspection.what = files.front()->what();
   inspection.files = files.size();
@@ -115,6 +115,9 @@ BagInspection InspectBag(const std::string& path) {
     if (topic.use != nullptr) one.as = topic.use->as;
   }
   std::set<std::string> remarks;
+  for (const std::string& remark : opened.remarks) remarks.insert(path + ": " + remark);
+  for (const std::string& name : opened.missing)
+    remarks.insert(path + ": its metadata.yaml names " + name + ", and that is not there");
   for (const auto& file : files) LookThrough(file.get(), &inspection.topics, &remarks);
   inspection.remarks.assign(remarks.begin(), remarks.end());
   return inspection;

@@ -1,6 +1,9 @@
 // MCAP (mcap.dev/spec): records of an opcode, a length in eight bytes and contents; messages by themselves or
 // in chunks; behind them, where the writer came to an end, a summary: channels, and where each chunk lies.
+#include <zlib.h>
+
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <string>
 #include <utility>
@@ -13,7 +16,13 @@
 namespace cairn::datasets::bag {
 namespace {
 
-constexpr std::uint64_t kRecordHead = 9, kMessageHead = 2 + 4 + 8 + 8;
+constexpr std::uint64_t kRecordHead = 9, kMessageHead = 2 + 4 + 8 + 8, kFooterBytes = 20, kDataEndBytes = 4;
+
+// Of what follows bytes whose CRC-32 is `before`.
+std::uint32_t McapChecksum(std::uint32_t before, ByteSpan bytes) {
+  return static_cast<std::uint32_t>(
+      crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
 
 struct Schema {
   std::string_view name, text;  // that are kept; of another encoding than ROS has no text
@@ -34,24 +43,15 @@ class Mcap : public Container {
     schemas_.clear();
     ids_.clear();
     chunks_.clear();
-    indexed_ = false;
     remarks_.emplace_back("it has no summary, or no index (the recorder was cut off?): read as a whole");
     Walk([](const Message&) {}, [](const std::string&) {}, true);
   }
 
   std::string what() const override { return "an MCAP file"; }
 
-  void Read(const std::vector<bool>& wanted, const Take& take, const Broken& broken) override {
+  void ReadMessages(const std::vector<bool>& wanted, const Take& take, const Broken& broken) override {
     wanted_ = &wanted;
-    numbers_.assign(channels().size(), 0);
-    if (!indexed_) return Walk(take, broken, false);
-    for (const McapChunk& chunk : chunks_) {
-      const bool any = chunk.channels.empty() || std::ranges::any_of(chunk.channels, [&](std::uint16_t id) {
-                         const auto channel = ids_.find(id);
-                         return channel == ids_.end() || wanted[channel->second];
-                       });
-      if (any) TryRecord(chunk.at, take, broken);
-    }
+    Walk(take, broken, false);
   }
 
  private:
@@ -72,7 +72,7 @@ class Mcap : public Container {
 
   // False where there is none, or it does not say all that is needed.
   bool ReadSummary() {
-    constexpr std::uint64_t kFooterBytes = 20, kTail = kRecordHead + kFooterBytes + 8;
+    constexpr std::uint64_t kTail = kRecordHead + kFooterBytes + 8;
     try {
       if (file_.size() < kMcapMagic.size() + kTail) return false;
       if (AsText(file_.View(file_.size() - 8, 8)) != kMcapMagic) return false;
@@ -81,7 +81,10 @@ class Mcap : public Container {
       if (footer.op != kMcapFooter || footer.bytes != kFooterBytes) return false;
       ByteReader in(file_.View(footer.at, footer.bytes), "the footer");
       const auto summary_at = in.Take<std::uint64_t>();
+      in.Bytes(8);                                     // where a table of the summary's records is
+      const auto checksum = in.Take<std::uint32_t>();  // of all before it, from the summary on; 0: none
       if (summary_at < kMcapMagic.size() || summary_at >= footer_at) return false;
+      if (checksum != 0 && checksum != ChecksumOf(summary_at, footer.end - 4 - summary_at)) return false;
       for (std::uint64_t at = summary_at; at < footer_at;) {
         const Record record = RecordAt(at);
         at = record.end;
@@ -135,8 +138,7 @@ class Mcap : public Container {
       Count(channel->second, messages);
       message_counts_ += messages;
     }
-    // Messages outside of chunks have no index.
-    has_statistics_ = message_count_ == 0 || chunk_count_ > 0;
+    has_statistics_ = true;
   }
 
   void ReadDefinition(std::uint8_t op, ByteSpan bytes) {
@@ -164,32 +166,40 @@ class Mcap : public Container {
     ids_[id] = FindOrAdd(std::move(channel));
   }
 
+  // All records before the summary. Chunks that the index says hold nothing wanted are leapt over; where it
+  // says that one begins, reading goes on behind what is damaged.
   void Walk(const Take& take, const Broken& broken, bool count) {
     counts_ = count;
+    auto chunk = chunks_.begin();  // the first of the index that does not begin before `at`
     for (std::uint64_t at = kMcapMagic.size(); at < file_.size();) {
-      std::uint64_t next = 0;  // of the record behind it, where that is known
+      const bool is_chunk = chunk != chunks_.end() && chunk->at == at;
+      const auto behind = is_chunk ? std::next(chunk) : chunk;
+      std::uint64_t next = behind == chunks_.end() ? file_.size() : behind->at;
       try {
         const Record record = RecordAt(at);
-        if (record.op == kMcapDataEnd || record.op == kMcapFooter) break;
+        if (is_chunk && record.op != kMcapChunk) throw Damage{"no chunk, where the index says that one is"};
+        if (record.end > next) throw Damage{"it reaches into the next chunk of the index"};
+        const bool is_end = record.op == kMcapDataEnd || record.op == kMcapFooter;
+        if (is_end && behind == chunks_.end() &&
+            record.bytes == (record.op == kMcapFooter ? kFooterBytes : kDataEndBytes))
+          break;
         next = record.end;
-        ReadRecord(record, take);
+        if (is_end) throw Damage{"an end of the messages, where there are more"};
+        if (!is_chunk || IsWanted(*chunk)) ReadRecord(record, take);
       } catch (const Damage& damage) {
         broken("byte " + std::to_string(at) + ": " + damage.what);
-        if (next == 0) break;
       }
       at = next;
+      if (is_chunk) ++chunk;
     }
     counts_ = false;
   }
 
-  void TryRecord(std::uint64_t at, const Take& take, const Broken& broken) {
-    try {
-      const Record record = RecordAt(at);
-      if (record.op != kMcapChunk) throw Damage{"no chunk, where the index says that one is"};
-      ReadRecord(record, take);
-    } catch (const Damage& damage) {
-      broken("byte " + std::to_string(at) + ": " + damage.what);
-    }
+  bool IsWanted(const McapChunk& chunk) const {
+    return chunk.channels.empty() || std::ranges::any_of(chunk.channels, [&](std::uint16_t id) {
+             const auto channel = ids_.find(id);
+             return channel == ids_.end() || (*wanted_)[channel->second];
+           });
   }
 
   void ReadRecord(const Record& record, const Take& take) {
@@ -209,13 +219,17 @@ class Mcap : public Container {
     ByteReader head(bytes, "a chunk");
     head.Bytes(16);  // its first and last time
     const auto size = head.Take<std::uint64_t>();
-    head.Bytes(4);  // a checksum
+    const auto checksum = head.Take<std::uint32_t>();  // of what is packed; 0: none
     const std::string how = head.Text();
     const auto packed_bytes = head.Take<std::uint64_t>();
     const std::uint64_t begin = chunk.at + (bytes.size() - head.left());
     if (packed_bytes > chunk.end - begin) throw Damage{"cut short: a chunk"};
-    if (IsPlain(how)) return ReadPlainChunk(begin, begin + packed_bytes, take);
+    if (IsPlain(how)) {
+      if (checksum != 0) CheckChunk(checksum, ChecksumOf(begin, packed_bytes));
+      return ReadPlainChunk(begin, begin + packed_bytes, take);
+    }
     const ByteSpan records = unpacker_.Unpack(how, file_.View(begin, packed_bytes), size);
+    if (checksum != 0) CheckChunk(checksum, McapChecksum(0, records));
     for (ByteReader in(records, "a record of a chunk"); in.left() > 0;) {
       const auto op = in.Take<std::uint8_t>();
       const ByteSpan record = in.Bytes(in.Take<std::uint64_t>());
@@ -224,6 +238,21 @@ class Mcap : public Container {
       else if (op == kMcapSchema || op == kMcapChannel)
         ReadDefinition(op, record);
     }
+  }
+
+  static void CheckChunk(std::uint32_t said, std::uint32_t is) {
+    if (said != is)
+      throw Damage{
+          "a chunk whose checksum (CRC-32) is another: it is not as it was recorded; copy the file again"};
+  }
+
+  // In pieces, of which a chunk as recorders make them is one, so that it is read once.
+  std::uint32_t ChecksumOf(std::uint64_t at, std::uint64_t bytes) {
+    constexpr std::uint64_t kPiece = 1 << 22;
+    std::uint32_t checksum = 0;
+    for (const std::uint64_t end = at + bytes; at < end; at += std::min(kPiece, end - at))
+      checksum = McapChecksum(checksum, file_.View(at, std::min(kPiece, end - at)));
+    return checksum;
   }
 
   // Of messages that are not wanted no more than the heads.
@@ -248,7 +277,9 @@ class Mcap : public Container {
       Count(channel->second, 1);
       Cover(time_ns, time_ns);
     } else if (channel->second < wanted_->size() && (*wanted_)[channel->second]) {
-      take({channel->second, ++numbers_[channel->second], time_ns, bytes()});
+      take({channel->second, 0, time_ns, bytes()});
+    } else if (channel->second >= wanted_->size()) {
+      throw Damage{"a message of a channel that the summary does not name"};
     }
   }
 
@@ -258,9 +289,8 @@ class Mcap : public Container {
   std::map<std::uint16_t, std::size_t> ids_;  // their channels
   std::vector<McapChunk> chunks_;
   std::uint64_t message_count_ = 0, message_counts_ = 0, chunk_count_ = 0;
-  bool has_statistics_ = false, indexed_ = true, counts_ = false;
+  bool has_statistics_ = false, counts_ = false;
   const std::vector<bool>* wanted_ = nullptr;
-  std::vector<std::uint64_t> numbers_;  // of each channel, of messages taken
 };
 
 }  // namespace

@@ -60,7 +60,7 @@ class RosFields {
 
 struct ChunkAt {
   std::uint64_t at = 0;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> messages;  // connection, how many
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> messages;  // connection, how many; empty: not said
 };
 
 class Ros1Bag : public Container {
@@ -83,15 +83,14 @@ class Ros1Bag : public Container {
 
   std::string what() const override { return "a ROS 1 bag"; }
 
-  void Read(const std::vector<bool>& wanted, const Take& take, const Broken& broken) override {
+  void ReadMessages(const std::vector<bool>& wanted, const Take& take, const Broken& broken) override {
     wanted_ = &wanted;
-    numbers_.assign(channels().size(), 0);
     if (!indexed_) return Walk(take, broken, false);
     for (const ChunkAt& chunk : chunks_) {
-      const bool any = std::ranges::any_of(chunk.messages, [&](const auto& some) {
-        const auto channel = connections_.find(some.first);
-        return channel == connections_.end() || wanted[channel->second];
-      });
+      const bool any = chunk.messages.empty() || std::ranges::any_of(chunk.messages, [&](const auto& some) {
+                         const auto channel = connections_.find(some.first);
+                         return channel == connections_.end() || wanted[channel->second];
+                       });
       if (any) TryChunk(chunk.at, take, broken);
     }
   }
@@ -294,7 +293,7 @@ class Ros1Bag : public Container {
       Count(channel->second, 1);
       Cover(time_ns, time_ns);
     } else if (channel->second < wanted_->size() && (*wanted_)[channel->second]) {
-      take({channel->second, ++numbers_[channel->second], time_ns, bytes()});
+      take({channel->second, 0, time_ns, bytes()});
     }
   }
 
@@ -306,7 +305,6 @@ class Ros1Bag : public Container {
   std::vector<ChunkAt> chunks_;
   bool indexed_ = true, counts_ = false;
   const std::vector<bool>* wanted_ = nullptr;
-  std::vector<std::uint64_t> numbers_;  // of each channel, of messages taken
 };
 
 }  // namespace

@@ -64,16 +64,14 @@ class SqliteBag : public Container {
 
   std::string what() const override { return "a ROS 2 bag in SQLite"; }
 
-  void Read(const std::vector<bool>& wanted, const Take& take, const Broken& broken) override {
-    std::vector<std::uint64_t> numbers(channels().size(), 0);
+  void ReadMessages(const std::vector<bool>& wanted, const Take& take, const Broken& broken) override {
     try {
       // By hand and not by SQL which of them: their bytes lie on other pages, which are not read.
       const Query query = Prepare("SELECT topic_id, timestamp, data FROM messages ORDER BY rowid");
       while (Next(query.get())) {
         const auto channel = topics_.find(sqlite3_column_int64(query.get(), 0));
         if (channel == topics_.end() || !wanted[channel->second]) continue;
-        take({channel->second, ++numbers[channel->second], sqlite3_column_int64(query.get(), 1),
-              BytesOf(query.get(), 2)});
+        take({channel->second, 0, sqlite3_column_int64(query.get(), 1), BytesOf(query.get(), 2)});
       }
     } catch (const Damage& damage) {
       broken(damage.what);
@@ -88,14 +86,14 @@ class SqliteBag : public Container {
     std::error_code error;
     // A recorder that was cut off leaves what it wrote last in a file beside it; without one, the file is not
     // locked, and nothing is written beside it.
-    const bool pending = std::filesystem::exists(path() + "-wal", error);
-    const std::string uri = UriOf(path()) + (pending ? "?mode=ro" : "?mode=ro&immutable=1");
+    pending_ = std::filesystem::exists(path() + "-wal", error);
+    const std::string uri = UriOf(path()) + (pending_ ? "?mode=ro" : "?mode=ro&immutable=1");
     sqlite3* opened = nullptr;
     const int code = sqlite3_open_v2(uri.c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
     db_.reset(opened);
     if (code != SQLITE_OK) throw InputError(path() + ": cannot be opened: " + sqlite3_errstr(code));
     // SQLite takes a file that ends before its last page for none, but of those who may mend it.
-    const bool is_cut = !pending && EndsBeforeItsLastPage();
+    const bool is_cut = !pending_ && EndsBeforeItsLastPage();
     if (is_cut) remarks_.emplace_back("the file ends within it");
     for (const auto& [option, on] : {std::pair{SQLITE_DBCONFIG_DEFENSIVE, is_cut ? 0 : 1},
                                      {SQLITE_DBCONFIG_WRITABLE_SCHEMA, is_cut ? 1 : 0},
@@ -153,7 +151,13 @@ class SqliteBag : public Container {
     return false;
   }
 
-  [[noreturn]] void Fail() { throw Damage{"SQLite: " + Printable(sqlite3_errmsg(db_.get()), 200)}; }
+  [[noreturn]] void Fail() {
+    if (pending_ && sqlite3_errcode(db_.get()) == SQLITE_CANTOPEN)
+      throw Damage{"what was recorded last lies in '" + path() +
+                   "-wal', which SQLite reads only where it may write beside it: copy both files to a folder "
+                   "where you may"};
+    throw Damage{"SQLite: " + Printable(sqlite3_errmsg(db_.get()), 200)};
+  }
 
   // A view of that name may be of endless rows.
   bool HasTable(const char* name) {
@@ -229,6 +233,7 @@ class SqliteBag : public Container {
   }
 
   std::unique_ptr<sqlite3, CloseDatabase> db_;
+  bool pending_ = false;  // a part of it lies in another file
   std::uint64_t portions_ = 0;
   std::map<std::int64_t, std::size_t> topics_;  // their channels
   Unpacker unpacker_;

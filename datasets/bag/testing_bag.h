@@ -277,7 +277,8 @@ inline std::string Ros1Bytes(const std::vector<BagMessage>& messages, const std:
          (is_indexed ? connection_records + chunk_infos : "");
 }
 
-enum class McapForm { kChunked, kWithoutIndex, kWithoutChunks };
+// kLooseEnd: the second half of the messages lies behind the chunks.
+enum class McapForm { kChunked, kWithoutIndex, kWithoutChunks, kLooseEnd };
 
 // An MCAP file of CDR (or of ROS 1); its chunks hold one message each.
 inline std::string McapBytes(const std::vector<BagMessage>& messages, const std::string& how = "",
@@ -289,6 +290,7 @@ inline std::string McapBytes(const std::vector<BagMessage>& messages, const std:
   std::map<std::string, std::uint64_t> ids;
   std::map<std::uint64_t, std::uint64_t> counts;
   std::string definitions, chunk_indexes;
+  std::size_t done = 0, chunks = 0;
   for (const BagMessage& message : messages) {
     const auto [id, is_new] = ids.try_emplace(message.topic, ids.size() + 1);
     std::string type = message.type;
@@ -303,7 +305,7 @@ inline std::string McapBytes(const std::vector<BagMessage>& messages, const std:
     const std::string when = Number64(static_cast<std::uint64_t>(std::llround(1e9 * message.receive_s)));
     const std::string records = (is_new ? definition : "") +
                                 record(5, number16(id->second) + Number32(0) + when + when + message.bytes);
-    if (form == McapForm::kWithoutChunks) {
+    if (form == McapForm::kWithoutChunks || (form == McapForm::kLooseEnd && done++ >= messages.size() / 2)) {
       body += records;
       continue;
     }
@@ -314,16 +316,16 @@ inline std::string McapBytes(const std::vector<BagMessage>& messages, const std:
                                    Block(number16(id->second) + Number64(0)) + Number64(0) + Block(how) +
                                    Number64(packed.size()) + Number64(records.size()));
     body += chunk;
+    ++chunks;
   }
   body += record(15, Number32(0));
   const std::uint64_t summary_at = body.size();
   std::string by_channel;
   for (const auto& [id, count] : counts) by_channel += number16(id) + Number64(count);
   if (form == McapForm::kWithoutIndex) return body + record(2, std::string(20, '\0')) + magic;
-  const bool is_chunked = form == McapForm::kChunked;
   const std::string statistics = Number64(messages.size()) + number16(ids.size()) + Number32(ids.size()) +
-                                 Number32(0) + Number32(0) + Number32(is_chunked ? messages.size() : 0) +
-                                 Number64(0) + Number64(0) + Block(by_channel);
+                                 Number32(0) + Number32(0) + Number32(chunks) + Number64(0) + Number64(0) +
+                                 Block(by_channel);
   return body + definitions + chunk_indexes + record(11, statistics) +
          record(2, Number64(summary_at) + Number64(0) + Number32(0)) + magic;
 }

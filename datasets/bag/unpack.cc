@@ -45,7 +45,8 @@ void UnpackLz4(ByteSpan packed, Sink* sink) {
     const std::span<std::byte> room = sink->Room();
     std::size_t written = room.size(), taken = packed.size();
     left = LZ4F_decompress(context.get(), room.data(), &written, packed.data(), &taken, nullptr);
-    if (LZ4F_isError(left) != 0) throw Damage{"a chunk is no lz4"};
+    if (LZ4F_isError(left) != 0)
+      throw Damage{std::string("a chunk is no lz4, or damaged: ") + LZ4F_getErrorName(left)};
     if (left != 0 && written == 0 && taken == 0) throw Damage{"a chunk of lz4 is cut short"};
     packed = packed.subspan(taken);
     sink->Add(written);
@@ -61,7 +62,8 @@ void UnpackStreamOfZstd(ByteSpan packed, Sink* sink) {
     ZSTD_outBuffer out{room.data(), room.size(), 0};
     const std::size_t before = in.pos;
     left = ZSTD_decompressStream(context.get(), &out, &in);
-    if (ZSTD_isError(left) != 0) throw Damage{"a chunk is no zstd"};
+    if (ZSTD_isError(left) != 0)
+      throw Damage{std::string("a chunk is no zstd, or damaged: ") + ZSTD_getErrorName(left)};
     if (left != 0 && out.pos == 0 && in.pos == before) throw Damage{"a chunk of zstd is cut short"};
     sink->Add(out.pos);
   }
@@ -80,7 +82,7 @@ void UnpackBz2(ByteSpan packed, Sink* sink) {
     stream.avail_out = static_cast<unsigned>(room.size());
     const unsigned before = stream.avail_in;
     code = BZ2_bzDecompress(&stream);
-    if (code != BZ_OK && code != BZ_STREAM_END) throw Damage{"a chunk is no bz2"};
+    if (code != BZ_OK && code != BZ_STREAM_END) throw Damage{"a chunk is no bz2, or damaged"};
     const std::size_t written = room.size() - stream.avail_out;
     if (code == BZ_OK && written == 0 && stream.avail_in == before)
       throw Damage{"a chunk of bz2 is cut short"};
