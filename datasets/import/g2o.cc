@@ -56,6 +56,7 @@ class G2oImport {
     if (steps_.empty())
       throw InputError(options_.file +
                        ": there is no EDGE_SE2 between poses whose numbers follow each other");
+    DropOtherEdges();
     rows_.noise = options_.noise;
     for (auto step = steps_.begin(); step != steps_.end();) step = AddRobot(step);
     for (const auto& [pose, seen] : seen_)
@@ -90,7 +91,16 @@ class G2oImport {
     const bool is_step = forward || from == to + 1;
     if (is_step && steps_.try_emplace(std::min(from, to), forward ? motion : Inverse(motion), number).second)
       return;
-    ++report_.dropped["loop between two poses"];
+    others_.emplace_back(std::min(from, to), std::max(from, to));
+  }
+
+  // One between poses without a step between them is the way over a gap, not a loop.
+  void DropOtherEdges() {
+    for (const auto& [low, high] : others_) {
+      const auto next = steps_.lower_bound(low);
+      const bool is_gap = low < high && (next == steps_.end() || next->first >= high);
+      ++report_.dropped[is_gap ? "odometry over a gap in the poses' numbers" : "loop between two poses"];
+    }
   }
 
   void ReadSighting(const Fields& line, std::size_t number) {
@@ -151,6 +161,8 @@ class G2oImport {
   ImportReport report_;
   LogRows rows_;
   Steps steps_;
+  std::vector<std::pair<std::size_t, std::size_t>>
+      others_;                                         // edges between poses that do not follow each other
   std::map<std::size_t, std::vector<Sighting>> seen_;  // by the pose that sees
   NameIndex landmarks_;
 };

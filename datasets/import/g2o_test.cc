@@ -73,6 +73,17 @@ TEST_F(ImportG2oTest, AGapInTheNumbersIsAnotherRobot) {
                                                  {"observation from a pose without odometry", 1}}));
 }
 
+TEST_F(ImportG2oTest, TheWayOverAGapInTheNumbersIsNoLoop) {
+  std::string graph;
+  for (const char* poses : {"0 1", "1 2", "7 8", "8 9", "2 7", "7 2", "2 8", "1 7", "0 2", "9 12"})
+    graph += std::string("EDGE_SE2 ") + poses + " 1 0 0" + kInformation;
+  const ImportReport report = Import(graph);
+  EXPECT_EQ(report.robots, 2);
+  EXPECT_EQ(report.dropped,
+            (std::map<std::string, std::int64_t>{{"loop between two poses", 3},
+                                                 {"odometry over a gap in the poses' numbers", 3}}));
+}
+
 TEST_F(ImportG2oTest, WhatIsNoneOfThePlaneOrNoGraphIsRefused) {
   ExpectContains(Refusal("VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n"),
                  "graph.g2o:1: VERTEX_SE3:QUAT: a graph of three dimensions");

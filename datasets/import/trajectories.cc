@@ -101,6 +101,14 @@ Row KittiRow(const Fields& line, double time_s, bool camera_axes, Tilt* tilt) {
   const auto at = [&line](std::size_t row, std::size_t column) { return line.Number(4 * row + column); };
   for (std::size_t row = 0; row < 3; ++row)
     RequireLengthOne(std::hypot(at(row, 0), at(row, 1), at(row, 2)), "no rotation");
+  const auto minor = [&at](std::size_t a, std::size_t b) {
+    return at(1, a) * at(2, b) - at(1, b) * at(2, a);
+  };
+  const double determinant = at(0, 0) * minor(1, 2) - at(0, 1) * minor(0, 2) + at(0, 2) * minor(0, 1);
+  constexpr double kRounded = 0.05;  // as far as rows of almost one's length at almost right angles go
+  if (!(std::abs(determinant - 1) <= kRounded))
+    throw LineError{"no rotation", "its determinant is " + std::to_string(determinant) +
+                                       (determinant < 0 ? ": one axis points the other way" : "")};
   const std::size_t ahead = camera_axes ? 2 : 0, aside = camera_axes ? 0 : 1, up = camera_axes ? 1 : 2;
   const double sign = camera_axes ? -1 : 1;
   const std::size_t other_up = camera_axes ? 2 : 1;

@@ -134,6 +134,9 @@ TEST_F(ImportTrajectoriesTest, WhatIsNoPoseOfKittiOrEurocIsNamed) {
   ExpectContains(refusal(pose, "1\n2\n"), " 2 times");
   ExpectContains(refusal(pose + pose, "1\n1\n"), "a.kitti:2: time does not run forward");
   ExpectContains(refusal("2 0 0 0 0 1 0 0 0 0 1 0\n", "1\n"), "a.kitti:1: no rotation: its length is 2");
+  ExpectContains(refusal(pose + "1 0 0 0 0 1 0 0 0 0 -1 0\n", "1\n2\n"),
+                 "a.kitti:2: no rotation: its determinant is -1.000000: one axis points the other way");
+  ExpectContains(refusal("1 0 0 0 1 0 0 0 0 0 1 0\n", "1\n"), "a.kitti:1: no rotation: its determinant is 0");
   ExpectContains(refusal("1 0 0 0 0 1 0 0\n", "1\n"), "a.kitti:1: wrong number of values: 8 where 12");
   ExpectContains(refusal("1 0 0 1e8 0 1 0 0 0 0 1 0\n", "1\n"), "a.kitti:1: no place on Earth");
   ExpectContains(InputErrorOf([&] {
