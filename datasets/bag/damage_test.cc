@@ -188,6 +188,14 @@ TEST_F(DamagedBagTest, MessagesThatAreCountedAndNotThereAreTold) {
   ExpectContains(Joined(RemarksOn("lie.mcap", mcap)), "16 messages of /odom are counted in it");
 }
 
+TEST_F(DamagedBagTest, WhatIsLeftWithoutOdometrySaysThatSomeIsMissing) {
+  std::string mcap = bag::McapBytes(bag::SmallDrive(To::kCdr));
+  for (const std::size_t index : RecordsOf(8, mcap)) mcap[index + 36] = 2;  // all chunks are of /scan
+  options_.scans = {"none"};
+  ExpectContains(RefusalOfMcap(mcap),
+                 "neither odometry nor a pose in it (11 messages are counted in it and not found)");
+}
+
 TEST_F(DamagedBagTest, AChunkOfARos1BagOfWhichTheIndexSaysNothingIsReadAndTold) {
   std::string bytes = bag::Ros1Bytes(bag::SmallDrive(To::kRos1));
   std::size_t at = bytes.find("chunk_pos=");

@@ -82,6 +82,7 @@ class BagImport {
     } catch (const InputError& error) {  // of what was left out it may be the consequence
       std::string why = error.what();
       if (bad_.skipped() > 0) why += " (skipped: " + bad_.Reasons() + ")";
+      if (missing_ > 0) why += " (" + std::to_string(missing_) + " messages are counted in it and not found)";
       if (options_.from_s || options_.until_s) why += " (of what lies between --from and --until)";
       throw InputError(why);
     }
