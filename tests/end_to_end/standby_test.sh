@@ -9,14 +9,15 @@ hub1=(unshare -r -u -m bash -c 'hostname hub1 && mount --bind "$0" /proc/sys/ker
 "${hub1[@]}" true 2>/dev/null || skip "no namespaces here"
 
 simulate log.h5
-exits 0 cairn run landmark_map log.h5 --out undisturbed --workers 1
+settings=(--set starts=40) # else it may be done before anybody has looked
+exits 0 cairn run landmark_map log.h5 --out undisturbed --workers 1 "${settings[@]}"
 serve() {
   "$@" cairn coordinator --checkpoint-rounds 1 --store shared ${take_over:-} >>coordinator.log 2>&1 &
   coordinator=$!
   until_true 20 cairn list >/dev/null
 }
 serve "${hub1[@]}"
-exits 0 cairn submit landmark_map log.h5 --json
+exits 0 cairn submit landmark_map log.h5 --json "${settings[@]}"
 id=$(grep -oE '"id": ?"[^"]+"' stdout | head -n 1 | cut -d'"' -f4)
 cairn worker >worker.log 2>&1 &
 worked() { cairn status "$id" --json >status.json && [ "$(number round status.json)" -gt 2 ]; }
