@@ -61,7 +61,7 @@ TEST_F(NearRepeatsTest, EvenMotionAndCoarseClocksAreNone) {
   for (int i = 0; i < 400; ++i) {
     const double jitter = 0.0001 * (i * 7 % 5), change = 0.01 * (i * 37 % 23);
     even += StepRow("%.1f,%.4f,%.4f\n", 0.1 * i, 0.0001 * (i * 3 % 4), 0.1 + jitter);
-    coarse += StepRow("%.0f,%.4f,%.4f\n", i / 10, 0.01 * (i % 3), 0.1 + change);
+    coarse += StepRow("%.0f,%.4f,%.4f\n", std::floor(0.1 * i), 0.01 * (i % 3), 0.1 + change);
   }
   EXPECT_EQ(Said(even), "");
   EXPECT_EQ(Said(coarse), "");

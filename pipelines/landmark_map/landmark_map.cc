@@ -69,8 +69,9 @@ cairn::Step Merged(const Options& options, std::vector<cairn::Step> candidates) 
 void RequireRoomForStarts(const State& state, std::size_t starts) {
   constexpr std::size_t kToCome = 6;        // figures of a start until the search has chosen
   constexpr double kShareOfTheFirst = 0.4;  // with drifts further out there may be as many again
-  const std::size_t each = (state.scalars().size() + starts - 1) / starts + kToCome;
-  const auto most = static_cast<std::size_t>(kShareOfTheFirst * static_cast<double>(kMostFigures / each));
+  const std::size_t each = (state.scalars().size() + starts - 1) / starts + kToCome,
+                    room = kMostFigures / each;
+  const auto most = static_cast<std::size_t>(kShareOfTheFirst * static_cast<double>(room));
   if (starts > most)
     throw InputError(fmt::format(
         "starts={} are more than can be searched side by side: of this log at most {}", starts, most));

@@ -29,7 +29,7 @@ struct CarmenImportOptions {
   // Else as the message says, as PARAM says, 50 m; sonars 5 m. Where neither says it, one reading that fills
   // up the log (common/range_doubts.h).
   std::optional<double> max_range_m, sonar_max_range_m;
-  std::map<std::string, Pose> mounts;       // where a laser sits on the robot, for "laser", "laser2", …
+  std::map<std::string, Pose> mounts;  // where a laser sits on the robot, for "laser", "laser2", …
 };
 
 // Writes a `log` (schema/FORMAT.md) of one robot: lasers as `laser` (in front), `laser2` (at the rear) to
