@@ -91,7 +91,8 @@ std::vector<std::string> ZeroReadingsOf(const kinds::Log& log) {
       if (!sensor.range_m) continue;
       const Walked<double> range_m = sensor.range_m.array();
       const auto zeros = std::ranges::count(range_m, 0.0);
-      if (zeros == 0) continue;
+      constexpr double kFewZeros = 1e-3;
+      if (static_cast<double>(zeros) <= kFewZeros * static_cast<double>(range_m.size())) continue;
       texts.push_back(
           fmt::format("robot '{}', its {}: {} of its {} readings are 0 m ({}), which is taken for a wall at "
                       "the sensor: write NaN where nothing came back",

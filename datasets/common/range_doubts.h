@@ -26,7 +26,8 @@ std::optional<ConstantReading> FindConstantReading(const Walked<double>& range_m
 // A warning a sensor with one that is below the reach that the log states. Forgives what is missing.
 std::vector<std::string> ConstantReadingsOf(const Blob& log);
 
-// A sentence a sensor of which readings are exactly 0: there is nothing to be taken for.
+// A sentence a sensor of which more than one in a thousand readings are exactly 0: there is nothing to be
+// taken for. Fewer are a sensor's own, and do no harm.
 std::vector<std::string> ZeroReadingsOf(const kinds::Log& log);
 
 }  // namespace cairn::datasets

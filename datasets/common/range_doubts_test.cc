@@ -79,6 +79,14 @@ TEST(RangeDoubts, ZerosAreNoReadings) {
   ExpectContains(doubts[0], " of its 6000 readings are 0 m (");
   ExpectContains(doubts[0], "write NaN where nothing came back");
   EXPECT_TRUE(FindUnitDoubts(LogThatWrites(std::nan(""))).empty());
+  Blob few = LogThatWrites(std::nan(""));
+  const auto range_m = few.Get<double>("robot/0/laser/range_m");
+  std::vector<double> readings(range_m.begin(), range_m.end());
+  for (std::size_t k = 0; k < 7; ++k) {
+    readings[k] = 0;
+    few.Put("robot/0/laser/range_m", Array::Of<double>({100, kFanBeams}, readings));
+    EXPECT_EQ(FindUnitDoubts(few).empty(), k < 6) << k + 1 << " of 6000";
+  }
   ExpectContains(InspectedText(LogThatWrites(0)), "write NaN where nothing came back");
 }
 

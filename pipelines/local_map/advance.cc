@@ -148,7 +148,12 @@ class Turn {
         RequireWithin("an approach's scale", approach.Scale(), -kFarthest_m, kFarthest_m);
         RequireWithin("an approach's sd", approach.sd, 0.0, kFarthest_m);
       }
-      const std::vector<MetreAt> track = TrackScale(watched.approaches[r], scans);
+      for (const WayFit& fit : watched.ways[r]) {
+        RequireAllWithin("a way's share", fit.share, 0.0, 1.0);
+        RequireWithin("a way's scan", fit.scan, std::int64_t{0}, static_cast<std::int64_t>(scans.size()) - 1);
+      }
+      std::vector<MetreAt> track = TrackScale(watched.approaches[r], scans);
+      if (!track.empty() && !IsBorneOut(track, watched.ways[r], scans)) track.clear();
       Share(MetreName(r), cairn::BlobOf(track));
       if (!track.empty()) {
         const auto [least, most] = std::ranges::minmax(cairn::ColumnOf(track, &MetreAt::scale));

@@ -14,7 +14,7 @@ std::size_t RobotOf(const Blob& partial, std::size_t robots) {
 
 Watched WatchedBy(Partials& partials, std::size_t robots) {
   Watched watched{std::vector<std::vector<float>>(robots), std::vector<std::vector<Approach>>(robots),
-                  std::vector<std::vector<Contradiction>>(robots)};
+                  std::vector<std::vector<Contradiction>>(robots), std::vector<std::vector<WayFit>>(robots)};
   for (std::size_t k = 0; k < partials.size(); ++k) {
     const BlobPtr partial = partials.Get(k);
     const std::size_t r = RobotOf(*partial, robots);
@@ -24,6 +24,10 @@ Watched WatchedBy(Partials& partials, std::size_t robots) {
     for (Approach approach : RowsIn<Approach>(*partial, "approaches/")) {
       approach.scan += own;
       watched.approaches[r].push_back(approach);
+    }
+    for (WayFit fit : RowsIn<WayFit>(*partial, "ways/")) {
+      fit.scan += own;
+      watched.ways[r].push_back(fit);
     }
     for (Contradiction contradiction : RowsIn<Contradiction>(*partial, "motion/")) {
       contradiction.from += first;

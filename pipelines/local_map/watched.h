@@ -7,6 +7,7 @@
 #include "pipelines/local_map/path/motion_watch.h"
 #include "pipelines/local_map/path/orientation_track.h"
 #include "pipelines/local_map/path/scale_watch.h"
+#include "pipelines/local_map/path/way_watch.h"
 #include "pipelines/pipeline.h"
 
 namespace cairn::local_map {
@@ -15,6 +16,7 @@ struct Watched {
   std::vector<std::vector<float>> edges_m;
   std::vector<std::vector<Approach>> approaches;
   std::vector<std::vector<Contradiction>> motion;
+  std::vector<std::vector<WayFit>> ways;
 };
 
 // Which robot a partial is of. Throws where there is none such.

@@ -41,12 +41,18 @@ bool IsLaser(const ScaleWatch::Ring& ring) {
 
 }  // namespace
 
-MotionWatch::MotionWatch(const std::vector<ScaleWatch::Ring>& rings) : before_(kWatches.size()) {
+std::optional<std::size_t> LaserOfMostBeams(const std::vector<ScaleWatch::Ring>& rings) {
+  std::optional<std::size_t> most;
   for (std::size_t r = 0; r < rings.size(); ++r)
-    if (IsLaser(rings[r]) && (fan_.empty() || rings[r].beams.size() > rings[ring_].beams.size())) {
-      ring_ = r;
-      fan_.assign(1, LaserFan(rings[r].beams, rings[r].max_range_m));
-    }
+    if (IsLaser(rings[r]) && (!most || rings[r].beams.size() > rings[*most].beams.size())) most = r;
+  return most;
+}
+
+MotionWatch::MotionWatch(const std::vector<ScaleWatch::Ring>& rings) : before_(kWatches.size()) {
+  const auto laser = LaserOfMostBeams(rings);
+  if (!laser) return;
+  ring_ = *laser;
+  fan_.assign(1, LaserFan(rings[ring_].beams, rings[ring_].max_range_m));
 }
 
 void MotionWatch::Update(std::int64_t scan, double time_s, const Pose& pose, bool unsure,

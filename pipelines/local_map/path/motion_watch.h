@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct Contradiction {
     field("meets", &Contradiction::meets);
   }
 };
+
+// The laser that has the most beams; none where there is none.
+std::optional<std::size_t> LaserOfMostBeams(const std::vector<ScaleWatch::Ring>& rings);
 
 class MotionWatch {
  public:

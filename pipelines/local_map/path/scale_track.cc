@@ -141,16 +141,40 @@ std::vector<MetreAt> TrackScale(std::vector<Approach> approaches, const std::vec
   return places;
 }
 
+namespace {
+
+// Between its places by the way from one to the next.
+double ScaleAt(const std::vector<MetreAt>& track, double path_m) {
+  const auto next = std::ranges::upper_bound(track, path_m, {}, &MetreAt::path_m);
+  const MetreAt &from = next == track.begin() ? *next : *(next - 1),
+                &to = next == track.end() ? *(next - 1) : *next;
+  const double share = to.path_m > from.path_m ? (path_m - from.path_m) / (to.path_m - from.path_m) : 0;
+  return std::lerp(from.scale, to.scale, share);
+}
+
+}  // namespace
+
+bool IsBorneOut(const std::vector<MetreAt>& track, const std::vector<WayFit>& ways,
+                const std::vector<Scan>& scans) {
+  constexpr double kFew = 10, kGain = 0.01, kSigmas = 3;
+  double sum = 0, sum2 = 0;
+  const auto count = static_cast<double>(ways.size());
+  for (const WayFit& fit : ways) {
+    const double scale = ScaleAt(track, scans.at(static_cast<std::size_t>(fit.scan)).path_m);
+    const double gain = fit.share[NearestWayScale(scale)] - fit.share[NearestWayScale(1)];
+    sum += gain;
+    sum2 += gain * gain;
+  }
+  if (count < kFew) return false;
+  const double mean = sum / count, sd = std::sqrt(std::max(0.0, sum2 / count - mean * mean) / count);
+  return mean > std::max(kGain, kSigmas * sd);
+}
+
 void Rescale(const std::vector<MetreAt>& track, std::vector<Scan>* scans) {
-  std::size_t next = 0;
   Scan before, at;
   for (std::size_t s = 0; s < scans->size(); ++s) {
     Scan& scan = (*scans)[s];
-    while (next < track.size() && track[next].path_m <= scan.path_m) ++next;
-    const MetreAt &from = track[next == 0 ? 0 : next - 1], &to = track[std::min(next, track.size() - 1)];
-    const double share =
-        to.path_m > from.path_m ? (scan.path_m - from.path_m) / (to.path_m - from.path_m) : 0;
-    const double scale = std::lerp(from.scale, to.scale, share);
+    const double scale = ScaleAt(track, scan.path_m);
     if (s == 0) before = at = scan;
     at.pose.x_m += scale * (scan.pose.x_m - before.pose.x_m);
     at.pose.y_m += scale * (scan.pose.y_m - before.pose.y_m);

@@ -6,6 +6,7 @@
 
 #include "pipelines/local_map/path/runs.h"
 #include "pipelines/local_map/path/scale_watch.h"
+#include "pipelines/local_map/path/way_watch.h"
 
 namespace cairn::local_map {
 
@@ -24,6 +25,11 @@ struct MetreAt {
 // where ten and half of them do not agree. How
 // fast it walks is the likeliest of a few; that it does so at all must be likelier by ten nats.
 std::vector<MetreAt> TrackScale(std::vector<Approach> approaches, const std::vector<Scan>& scans);
+
+// Whether whole scans bear the track out: by what stands beside the way, too, its ways are the likelier ones.
+// A person who comes towards the robot is a longer metre to whatever looks ahead alone.
+bool IsBorneOut(const std::vector<MetreAt>& track, const std::vector<WayFit>& ways,
+                const std::vector<Scan>& scans);
 
 // Makes all ways of the scans as long as the track says, between its places by the way from one to the next.
 void Rescale(const std::vector<MetreAt>& track, std::vector<Scan>* scans);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -14,6 +15,7 @@ namespace {
 struct Driven {
   std::vector<Scan> scans;  // by odometry
   std::vector<Approach> approaches;
+  std::vector<WayFit> ways;
   std::vector<double> x_m;  // true
 };
 
@@ -24,6 +26,7 @@ Driven ToAndFro(int drives, const std::function<double(int)>& measured, int ever
   Rng rng(3);
   Driven run;
   ScaleWatch watch({{LaserBeams(), 0, 10}}, ScaleWatch::Towards::kAhead);
+  WayWatch ways({{LaserBeams(), 0, 10}});
   double by_odometry = 0, travelled = 0;
   for (int drive = 0; drive < drives; ++drive) {
     const double sign = drive % 2 == 0 ? 1 : -1;
@@ -38,10 +41,12 @@ Driven ToAndFro(int drives, const std::function<double(int)>& measured, int ever
       run.scans.push_back({.time_s = read.time_s, .pose = {by_odometry, 0, heading}, .path_m = travelled});
       run.x_m.push_back(x);
       if (s % every == 0) watch.Update(scan, run.scans.back().pose, {&read, 1});
+      ways.Update(scan, run.scans.back().pose, {&read, 1});
     }
   }
   watch.Finish();
   run.approaches = watch.approaches();
+  run.ways = ways.found();
   EXPECT_GE(run.approaches.size(), static_cast<std::size_t>(drives));
   return run;
 }
@@ -52,6 +57,32 @@ TEST(ScaleTrack, OfOdometryThatIsRightThereIsNone) {
     EXPECT_TRUE(TrackScale(run.approaches, run.scans).empty()) << measured;
   }
   EXPECT_TRUE(TrackScale({}, {}).empty());
+}
+
+// A person who comes towards the robot at a third of its speed makes its metre 1.33 to whatever looks ahead
+// alone.
+TEST(ScaleTrack, IsBorneOutByWhatStandsBesideTheWayOrNot) {
+  for (const double measured : {0.7, 1.3}) {
+    const Driven run = ToAndFro(20, [&](int) { return measured; });
+    const std::vector<MetreAt> track = TrackScale(run.approaches, run.scans);
+    ASSERT_FALSE(track.empty());
+    EXPECT_TRUE(IsBorneOut(track, run.ways, run.scans)) << measured;
+    EXPECT_FALSE(IsBorneOut(track, {run.ways.begin(), run.ways.begin() + 9}, run.scans)) << "too few";
+  }
+  const Driven right = ToAndFro(20, [](int) { return 1.0; });
+  for (const double scale : {0.75, 1.33, 2.0})
+    EXPECT_FALSE(IsBorneOut({{.scale = scale}}, right.ways, right.scans)) << scale;
+}
+
+TEST(ScaleTrack, WholeScansFitBestWhereTheRobotWas) {
+  const Driven run = ToAndFro(4, [](int) { return 0.8; });
+  ASSERT_GE(run.ways.size(), 4U);
+  for (const WayFit& fit : run.ways) {
+    const auto best = std::ranges::max_element(fit.share);
+    EXPECT_GT(*best, 0.9);
+    EXPECT_NEAR(fit.share[NearestWayScale(1 / 0.8)], *best, 0.05);
+    EXPECT_LT(fit.share[NearestWayScale(1)], 0.9 * *best);
+  }
 }
 
 TEST(ScaleTrack, FindsAMetreThatIsFarOff) {

@@ -127,6 +127,10 @@ LaserView LaserFan::View(const RingScan& scan) const {
   return view;
 }
 
+ScanMotion WeighMotion(const LaserView& from, const LaserView& to, const Pose& moved) {
+  return Weighed(from, to, moved);
+}
+
 ScanMotion NearOdometry(const LaserView& from, const LaserView& to, const Pose& odometry, double explained) {
   const ScanMotion itself = Weighed(from, to, odometry);
   if (itself.share >= explained) return itself;

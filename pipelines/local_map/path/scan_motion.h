@@ -39,6 +39,9 @@ struct ScanMotion {
   double looked = 0;            // how many of them lie in such directions
 };
 
+// How well that motion explains the second view.
+ScanMotion WeighMotion(const LaserView& from, const LaserView& to, const Pose& moved);
+
 // The best near `odometry`, whose clock may run otherwise than the laser's; itself, where that explains such
 // a share.
 ScanMotion NearOdometry(const LaserView& from, const LaserView& to, const Pose& odometry, double explained);

@@ -8,6 +8,7 @@
 #include "pipelines/local_map/path/motion_watch.h"
 #include "pipelines/local_map/path/orientation_track.h"
 #include "pipelines/local_map/path/scale_watch.h"
+#include "pipelines/local_map/path/way_watch.h"
 
 namespace cairn::local_map {
 namespace {
@@ -29,6 +30,7 @@ Blob WatchWalls(ScanReader& scans, std::size_t own, const std::optional<std::siz
   LocalGrids grids(options, scans.rings());
   ScaleWatch scale(scans.beams(), ahead ? ScaleWatch::Towards::kAhead : ScaleWatch::Towards::kAxes);
   MotionWatch motion(scans.beams());
+  WayWatch ways(scans.beams());
   std::vector<float> all;
   all.reserve((scans.size() - own) * kBins);
   for (std::size_t s = 0; s < scans.size(); ++s) {
@@ -41,6 +43,7 @@ Blob WatchWalls(ScanReader& scans, std::size_t own, const std::optional<std::siz
     grids.Update(scans.pose(s), read);
     if (s < own) continue;
     scale.Update(static_cast<std::int64_t>(s - own), scans.pose(s), read);
+    if (ahead && !scans.unsure(s)) ways.Update(static_cast<std::int64_t>(s - own), scans.pose(s), read);
     EdgeHistogram edges{};
     for (const Edge& edge : grids.current_edges())
       AddEdge(edge.angle_rad + grids.frame_rad(), Counts(edge), &edges);
@@ -51,6 +54,7 @@ Blob WatchWalls(ScanReader& scans, std::size_t own, const std::optional<std::siz
   PutRows("approaches/", scale.approaches(), &blob);
   blob.Put("edges_m", Array::Of<float>({static_cast<std::int64_t>(scans.size() - own), kBins}, all));
   PutRows("motion/", motion.found(), &blob);
+  PutRows("ways/", ways.found(), &blob);
   return blob;
 }
 
