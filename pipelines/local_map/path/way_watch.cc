@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "pipelines/local_map/path/motion_watch.h"
 
@@ -28,13 +29,13 @@ WayWatch::WayWatch(const std::vector<ScaleWatch::Ring>& rings) : last_(kWays_m.s
 
 void WayWatch::Update(std::int64_t scan, const Pose& pose, std::span<const RingScan> read) {
   if (fan_.empty() || read[ring_].range_m.empty()) return;
-  if (!at_.empty()) path_m_ += std::hypot(pose.x_m - at_[0].x_m, pose.y_m - at_[0].y_m);
-  at_.assign(1, pose);
+  if (at_) path_m_ += std::hypot(pose.x_m - at_->x_m, pose.y_m - at_->y_m);
+  at_ = pose;
   for (std::size_t w = 0; w < kWays_m.size(); ++w) {
-    if (!last_[w].empty() && path_m_ - last_[w][0].path_m < kWays_m[w]) continue;
+    if (last_[w] && path_m_ - last_[w]->path_m < kWays_m[w]) continue;
     Seen now{pose, path_m_, fan_.front().View(read[ring_])};
-    if (!last_[w].empty()) {
-      const Seen& before = last_[w][0];
+    if (last_[w]) {
+      const Seen& before = *last_[w];
       const Pose moved = Between(before.pose, pose);
       WayFit fit{scan, {}};
       double tells = 0;
@@ -47,7 +48,7 @@ void WayWatch::Update(std::int64_t scan, const Pose& pose, std::span<const RingS
       }
       if (std::abs(moved.heading_rad) <= kMostTurnOnWay_rad && tells >= kLeastLooked) found_.push_back(fit);
     }
-    last_[w].assign(1, std::move(now));
+    last_[w] = std::move(now);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -44,9 +45,9 @@ class WayWatch {
     LaserView view;
   };
   std::size_t ring_ = 0;
-  std::vector<LaserFan> fan_;            // none or one
-  std::vector<std::vector<Seen>> last_;  // of each length of ways: none or one
-  std::vector<Pose> at_;                 // the scan before: none or one
+  std::vector<LaserFan> fan_;              // none or one
+  std::vector<std::optional<Seen>> last_;  // of each length of ways
+  std::optional<Pose> at_;                 // the scan before
   double path_m_ = 0;
   std::vector<WayFit> found_;
 };
