@@ -267,15 +267,15 @@ TEST(CheckStore, AJobThatHasLostItsCheckpointsIsNamedAndItsBlobsStayUntilItIsGiv
   const auto is_there = [&] {
     return fs::exists(fixture.folder->BlobFile(input)) || fs::exists(fixture.folder->FlatFile(input));
   };
-  const auto ask = [&](const char* action) {
+  const auto ask = [&](const char* action, const char* job) {
     wire::Message message;
-    message.envelope.mutable_query()->set_job("3-gone");
+    message.envelope.mutable_query()->set_job(job);
     message.envelope.mutable_query()->set_action(action);
     EXPECT_TRUE(fixture.Ask(message).ok()) << action;
   };
   for (const char* job : {"2-two", "3-gone"}) fixture.Submit(job);
   UntilLogsAreWritten(fixture, 2);
-  for (const char* action : {"cancel", "delete"}) ask(action);
+  for (const char* action : {"cancel", "delete"}) ask(action, "3-gone");
   EXPECT_EQ(lines(), std::vector<std::string>{"2-two"}) << "what is deleted is not lost";
   ASSERT_TRUE(is_there());
   fixture.server.reset();
@@ -290,6 +290,8 @@ TEST(CheckStore, AJobThatHasLostItsCheckpointsIsNamedAndItsBlobsStayUntilItIsGiv
     EXPECT_TRUE(fixture.Logged("job 2-two is lost: none of its checkpoints is in "));
     EXPECT_TRUE(is_there());
   }
+  fixture.Submit("4-same");  // of the same input, which it leaves
+  for (const char* action : {"cancel", "delete"}) ask(action, "4-same");
   wire::Message clean;
   clean.envelope.mutable_clean()->set_damaged(false);
   EXPECT_NE(fixture.Ask(clean).message().find("job 2-two is lost"), std::string::npos);

@@ -255,10 +255,14 @@ Status Copier::CopyJob(const std::string& job) {
 // its log before them: looked for in this order, a job that is being deleted is not taken for lost.
 Status RemoveWhatIsGone(const StoreFolder& from, const StoreFolder& to, Copier& copier) {
   std::set<std::string> gone;
+  std::error_code error;
   for (const std::string& job : to.JobsWithCheckpoints())
     if (from.CheckpointNumbers(job).empty()) gone.insert(job);
-  const Result<std::vector<std::string>> lost = LostJobs(from);
-  std::error_code error;
+  const Result<std::vector<std::string>> lost =
+      KnowsItsLogs(from) ? LostJobs(from)
+                         : Status(Code::kNotFound,
+                                  "the job table was lost, and with it the logs that tell; "
+                                  "`cairn clean --damaged` gives up what it told");
   for (const std::string& job : lost.ok() ? lost.value() : std::vector<std::string>()) {
     const bool is_here = !to.CheckpointNumbers(job).empty();
     copier.KeepWhatItHad(WhyLost(from, job) + (is_here ? "; the copy keeps it as it was" : ""));
@@ -269,6 +273,8 @@ Status RemoveWhatIsGone(const StoreFolder& from, const StoreFolder& to, Copier& 
       copier.KeepWhatItHad(
           "job " + job +
           ": it has no checkpoint, and whether it was deleted is not known: " + lost.status().message());
+    else if (fs::exists(from.Checkpoints() / job, error))  // a deletion takes the folder
+      copier.KeepWhatItHad("job " + job + ": none of its checkpoints can be used");
     else if (fs::exists(ResultsIn(from.dir(), job), error))
       copier.KeepWhatItHad("job " + job + ": it has results, but no checkpoint");
     else if (Status status = to.Forget(job, ResultsIn(to.dir(), job)); !status.ok())
@@ -375,7 +381,8 @@ Result<BackupFacts> BackUp(const fs::path& from_dir, const fs::path& to_dir, boo
   if (Status places = CheckPlaces(from_dir, id.value(), to_dir); !places.ok()) return places;
   const Result<StoreFolder> to = StoreFolder::Open(to_dir);
   if (!to.ok()) return to.status();
-  if (from.value().JobsWithCheckpoints().empty() && !to.value().JobsWithCheckpoints().empty())
+  if (id.value().id.empty() && from.value().JobsWithCheckpoints().empty() &&
+      !to.value().JobsWithCheckpoints().empty())
     return Status(Code::kRefused, from_dir.string() + " has no job, but the copy in " + to_dir.string() +
                                       " has: is it the right store?");
   std::error_code error;

@@ -27,8 +27,8 @@ struct BackupFacts {
 // from it; one whose checkpoints are lost there stays, and is named. Each copied file is read again, and what
 // it holds is checked; `check`: also what was copied before, which is copied anew where it is damaged.
 // kNotFound: `from` is no store. kRefused: `to` is a store of its own or a copy of another, or lies in
-// `from`; `from` has the id of the store that `to` is of, which is still there; `from` has no job, but the
-// copy has. Of `to` as StoreFolder::Open says, kNoSpace and kIo of its disk.
+// `from`; `from` has the id of the store that `to` is of, which is still there; `from` has no id and no job,
+// but the copy has. Of `to` as StoreFolder::Open says, kNoSpace and kIo of its disk.
 Result<BackupFacts> BackUp(const std::filesystem::path& from, const std::filesystem::path& to,
                            bool check = false);
 

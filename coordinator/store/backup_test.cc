@@ -14,6 +14,7 @@
 #include "coordinator/server/testing/hub_fixture.h"
 #include "coordinator/store/checkpoint_file.h"
 #include "coordinator/store/job_table.h"
+#include "coordinator/store/recovery.h"
 #include "coordinator/store/store_id.h"
 #include "schema/store/atomic_file.h"
 
@@ -388,6 +389,32 @@ TEST_F(Backup, KeepsTheJobWhoseCheckpointsAreLost) {
     for (const fs::path& path : whole) EXPECT_EQ(fs::exists(To() / path), path != kBackupMark) << path;
     EXPECT_GT(LinesOf(To()), 0U);
   }
+}
+
+TEST_F(Backup, KeepsWhatALostTableCannotTellToBeDeleted) {
+  Stop();
+  Serve(From());
+  Copied();
+  const StoreFolder store = StoreFolder::LookAt(From()).value();
+  const fs::path table = store.JobTable(), job = store.Checkpoints() / "a";
+  const auto keeps = [&] {
+    const BackupFacts facts = Copied();
+    EXPECT_EQ(facts.damaged.empty(), !fs::exists(To() / "checkpoints" / "a"));
+    return fs::exists(To() / "checkpoints" / "a");
+  };
+  fs::rename(job, fixture_.temp.path() / "lost");
+  fs::create_directories(job);
+  std::ofstream(job / "1.h5.damaged") << "rot";
+  fs::remove(table);
+  EXPECT_TRUE(keeps()) << "its folder is there";
+  fs::remove_all(job);
+  EXPECT_TRUE(keeps()) << "the table is not";
+  ASSERT_TRUE(OpenJobTable(store, [](Severity, const std::string&) {}).ok());
+  EXPECT_FALSE(fs::exists(table.string() + ".damaged")) << "a store without a job had none";
+  std::ofstream(table.string() + ".damaged") << "rot";
+  EXPECT_TRUE(keeps()) << "it was made anew";
+  fs::remove(table.string() + ".damaged");
+  EXPECT_FALSE(keeps()) << "what it told was given up";
 }
 
 // A job that came between its checkpoints and its table would be one that is lost.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "coordinator/store/checkpoint_file.h"
+#include "coordinator/store/recovery.h"
 #include "coordinator/store/result_file.h"
 #include "coordinator/store/served_file.h"
 #include "schema/kinds/kind.h"
@@ -217,7 +218,13 @@ DiskDone DiskWriter::Do(const ForgetWork& work) {
 }
 
 DiskDone DiskWriter::Do(const RemoveBlobsWork& work) {
-  if (folder_.IsStillThere().ok()) files_.Remove(work.hashes);
+  if (!folder_.IsStillThere().ok()) return {};
+  if (may_have_lost_jobs_) {
+    const Result<std::vector<std::string>> lost = LostJobs(folder_);
+    may_have_lost_jobs_ = !lost.ok() || !lost.value().empty();
+  }
+  // What they need nobody knows.
+  if (!may_have_lost_jobs_) files_.Remove(work.hashes);
   return {};
 }
 

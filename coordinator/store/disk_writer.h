@@ -130,6 +130,7 @@ class DiskWriter {
   void RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const;
 
   const StoreFolder& folder_;
+  bool may_have_lost_jobs_ = true;  // until it was seen that there are none
   BlobFiles& files_;
   StoreUse& use_;
   JobTable table_;

@@ -235,6 +235,11 @@ std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, Inp
   return jobs;
 }
 
+bool KnowsItsLogs(const StoreFolder& folder) {
+  std::error_code error;
+  return fs::exists(folder.JobTable(), error) && !fs::exists(folder.JobTable().string() + ".damaged", error);
+}
+
 Result<std::vector<std::string>> LostJobs(const StoreFolder& folder) {
   std::error_code error;
   if (!fs::exists(folder.JobTable(), error)) return std::vector<std::string>();
@@ -315,6 +320,12 @@ Result<JobTable> OpenJobTable(const StoreFolder& folder, const LogSink& log) {
   for (const fs::path& file : unsafe.value())
     log(Severity::kWarning,
         "quarantined " + file.string() + ": the job table never leaves such a file there");
+  std::error_code error;
+  if (!fs::exists(folder.JobTable(), error) && !folder.JobsWithCheckpoints().empty()) {
+    log(Severity::kWarning, "the job table is missing; it is made anew, without the logs of jobs");
+    const Status noted = WriteTextAtomically(folder.JobTable().string() + ".damaged", "it was missing\n");
+    if (!noted.ok()) return noted;
+  }
   Result<JobTable> table = JobTable::Open(folder.JobTable());
   if (table.ok() && table.value().damaged_lines().count > 0) {
     const log_table::DamagedLines damaged = table.value().damaged_lines();

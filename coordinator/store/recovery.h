@@ -37,6 +37,8 @@ std::vector<RestoreJob> Recover(const StoreFolder& folder, BlobFiles& files, Inp
 // Jobs that have a log, but no checkpoint that could be read: what is deleted loses its log first. Another
 // process may serve the store. Where the job table cannot be read, nobody knows.
 Result<std::vector<std::string>> LostJobs(const StoreFolder& folder);
+// Whether its table has the logs of all jobs that were not deleted: it is there, and none was quarantined.
+bool KnowsItsLogs(const StoreFolder& folder);
 std::string WhyLost(const StoreFolder& folder,
                     const std::string& job);  // a sentence that begins with the job
 

@@ -165,7 +165,9 @@ TEST(HostsEngine, GivesEachItsNameItsKeyAndItsShareOfTheMemory) {
   HostsEngine engine(hosts.options);
   ASSERT_TRUE(engine.List().ok());
   ASSERT_EQ(engine.Start({"w-1"}).names.size(), 1U);
-  hosts.ListUntil(engine, [&](const auto&) { return fs::exists(hosts.dir / "begun"); });
+  hosts.ListUntil(engine, [&](const auto&) {
+    return fs::exists(hosts.dir / "begun") && fs::file_size(hosts.dir / "begun") > 0;
+  });
   std::stringstream begun;
   begun << std::ifstream(hosts.dir / "begun").rdbuf();
   EXPECT_EQ(begun.str(),
