@@ -273,7 +273,8 @@ TEST_F(Rosbag2FolderTest, MessagesThatItsMetadataCountsAreHeldAgainstThoseOfItsF
   Describe({"b_0.mcap", "b_1.mcap"}, "16");
   ExpectContains(Warnings(), "b_2.mcap is not in its metadata.yaml, and read");
   for (const char* text :
-       {"", "- a\n- b\n", "rosbag2_bagfile_information: [", "rosbag2_bagfile_information:\n  a: b\n"}) {
+       {"", "- a\n- b\n", "rosbag2_bagfile_information: [", "rosbag2_bagfile_information:\n  a: b\n",
+        "rosbag2_bagfile_information:\n  message_count: 600\n"}) {
     folder_.Put("fold/metadata.yaml", text);
     ExpectContains(Warnings(), "metadata.yaml is none of rosbag2's (");
     ExpectSmallDrive(text);

@@ -34,6 +34,7 @@ std::optional<FolderMetadata> ReadMetadata(const std::string& path, std::vector<
     FolderMetadata metadata;
     for (const auto& name : about["relative_file_paths"])
       metadata.files.push_back(fs::path(name.as<std::string>()).filename());  // some write the folder too
+    if (metadata.files.empty()) throw Damage{"it names no file"};
     metadata.messages = about["message_count"].as<std::uint64_t>();
     return metadata;
   } catch (const YAML::Exception& problem) {
@@ -85,7 +86,7 @@ OpenedBags OpenBags(const std::string& path) {
   std::uint64_t messages = 0;
   for (std::size_t i = 0; i < files.size(); ++i) {
     const Container& file = *bags.files.emplace_back(OpenContainer(files[i]));
-    if (!metadata || metadata->files.empty()) continue;
+    if (!metadata) continue;
     if (!is_named[i])
       bags.remarks.push_back(fs::path(files[i]).filename().string() +
                              " is not in its metadata.yaml, and read");
