@@ -56,6 +56,16 @@ class Backup : public ::testing::Test {
     fixture_.folder.reset();
   }
   const StoreFolder& Store() const { return *fixture_.folder; }
+  // A job that was cancelled, and left no log.
+  void PutCancelled(const std::string& job) {
+    proto::Checkpoint cancelled;
+    cancelled.set_job_id(job);
+    cancelled.set_number(1);
+    *cancelled.mutable_job() = fixture_.MakeJob();
+    cancelled.set_state(proto::JOB_CANCELLED);
+    fs::create_directories(Store().Checkpoints() / job);
+    ASSERT_TRUE(WriteCheckpoint(Store().CheckpointFile(job, 1), cancelled).ok());
+  }
   fs::path From() const { return fixture_.temp.path() / "store"; }
   fs::path To() const { return fixture_.temp.path() / "copy"; }
   BackupFacts Copied() const {
@@ -372,13 +382,7 @@ TEST_F(Backup, KeepsTheJobWhoseCheckpointsAreLost) {
   Copied();
   const std::set<fs::path> whole = Tree(To());
   ASSERT_GT(LinesOf(To()), 0U);
-  proto::Checkpoint cancelled;
-  cancelled.set_job_id("b");
-  cancelled.set_number(1);
-  *cancelled.mutable_job() = fixture_.MakeJob();
-  cancelled.set_state(proto::JOB_CANCELLED);
-  fs::create_directories(Store().Checkpoints() / "b");
-  ASSERT_TRUE(WriteCheckpoint(Store().CheckpointFile("b", 1), cancelled).ok());
+  PutCancelled("b");
   for (const bool with_folder : {true, false}) {
     fs::rename(Store().Checkpoints() / "a", fixture_.temp.path() / ("lost" + std::to_string(with_folder)));
     if (with_folder) fs::create_directories(Store().Checkpoints() / "a");
@@ -435,13 +439,7 @@ TEST_F(Backup, HasNoLogOfAJobThatItDoesNotHave) {
 }
 
 TEST_F(Backup, OfAJobThatWasDeletedNothingStays) {
-  proto::Checkpoint cancelled;
-  cancelled.set_job_id("b");
-  cancelled.set_number(1);
-  *cancelled.mutable_job() = fixture_.MakeJob();
-  cancelled.set_state(proto::JOB_CANCELLED);
-  fs::create_directories(Store().Checkpoints() / "b");
-  ASSERT_TRUE(WriteCheckpoint(Store().CheckpointFile("b", 1), cancelled).ok());
+  PutCancelled("b");
   EXPECT_EQ(Copied().jobs, 2U);
   fs::remove_all(Store().Checkpoints() / "b");
   EXPECT_EQ(Copied().jobs, 1U);
