@@ -331,6 +331,28 @@ TEST(LocalMap, OdometrysMetreMayDrift) {
     EXPECT_NEAR(metre.scale[i] * 1.01 * measured(metre.time_s[i]), 1, 0.06) << metre.time_s[i];
 }
 
+// On each metre of its way somebody comes towards the robot, at half its speed, and steps aside.
+Blob WithPeople(Blob log) {
+  const std::size_t beams = LaserBeams().size();
+  const auto read = log.Get<double>("robot/0/laser/range_m");
+  std::vector<double> range(read.begin(), read.end());
+  for (std::size_t k = 0; k < range.size() / beams; ++k) {
+    const double away_m = 2.4 - 1.5 * std::fmod(0.08 * static_cast<double>(k % 50), 1.0);
+    for (std::size_t b = 0; b < beams; ++b)
+      if (k % 50 < 40 && std::abs(LaserBeams()[b].heading_rad) < 0.1)
+        range[k * beams + b] = std::min(away_m, std::isnan(read[k * beams + b]) ? 10 : read[k * beams + b]);
+  }
+  log.Put("robot/0/laser/range_m", Array::Of<double>(log.at("robot/0/laser/range_m").shape(), range));
+  return log;
+}
+
+TEST(LocalMap, PeopleWhoComeTowardsTheRobotAreNotOdometrysMetre) {
+  const Blob log = WithPeople(LaserRoomLog(3, -1));
+  const BlobPtr map = Map(log);
+  EXPECT_LT(ErrorM(log, *map), 0.1);
+  EXPECT_TRUE(Read<kinds::LocalMap>(*map).robot[0].metre.scale.OrNone().empty());
+}
+
 // Odometry is read once a second and the laser five times, also amid turns.
 TEST(LocalMap, OdometryMayBeReadSeldom) {
   Blob log = LaserRoomLog(3, -1);
