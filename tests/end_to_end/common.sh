@@ -11,8 +11,9 @@ cd "$work"
 
 cleanup() {
   local code=$?
+  set +e  # what is left undone here would live on, and ctest wait for it
   # Only what this test started: its own jobs.
-  jobs -p | xargs -r kill -9 2>/dev/null || true
+  jobs -p | xargs -r kill -9 2>/dev/null
   rm -rf "$work"
   exit "$code"
 }

@@ -16,8 +16,9 @@ image=$1 kubectl_image=$2 namespace=cairn-test-$$
 kube() { kubectl --namespace "$namespace" "$@"; }
 leave() {
   local code=$?
-  [ "$code" -eq 0 ] || kube logs cairn-coordinator-0 --all-containers --tail 30 >&2 || true
-  kubectl delete namespace "$namespace" --wait=false >/dev/null 2>&1 || true
+  set +e
+  [ "$code" -eq 0 ] || kube logs cairn-coordinator-0 --all-containers --tail 30 >&2
+  kubectl delete namespace "$namespace" --wait=false >/dev/null 2>&1
   (exit "$code")
   cleanup
 }

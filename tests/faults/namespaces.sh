@@ -37,13 +37,13 @@ before_leaving() { :; }
 after_leaving() { :; }
 leave() {
   local code=$? name
+  set +e  # one process that ends by itself between two looks must not keep the others
   before_leaving "$code"
   for name in "${machines[@]}"; do # what runs there is no child of this shell, but of `ip`
     ip netns pids "$(space "$name")" 2>/dev/null | xargs -r kill -9 2>/dev/null
-    ip netns del "$(space "$name")" 2>/dev/null || true
+    ip netns del "$(space "$name")" 2>/dev/null
   done
   after_leaving
-  set +e
   (exit "$code")
   cleanup
 }

@@ -12,8 +12,9 @@ ports() { python3 -c 'import socket; a, b = socket.socket(), socket.socket(); a.
 read -r api hub <<<"$(ports)"
 leave() {
   local code=$?
+  set +e
   # Its pods are no children of this shell, nor is it, where python3 is a script that calls another.
-  [ ! -s pods/pid ] || { pgrep -P "$(cat pods/pid)" || true; cat pods/pid; } | xargs -r kill -9
+  [ ! -s pods/pid ] || { pgrep -P "$(cat pods/pid)"; cat pods/pid; } | xargs -r kill -9
   if [ -n "${CAIRN_POD_IMAGE:-}" ]; then
     "${podman[@]}" ps -a -q --filter name="cairn-coordinator-${pod:-0}" --filter name=kubernetes-test- | xargs -r "${podman[@]}" rm -f >/dev/null
   fi
