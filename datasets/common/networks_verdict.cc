@@ -46,6 +46,7 @@ Verdict NetworksVerdict(const Blob& result) {
   verdict.why += verdict.trust == Confidence::kLow
                      ? ": most of what they have learned is of no use elsewhere"
                      : "; which step's weights are kept was chosen by the former, so it is a little too good";
+  for (const std::string& doubt : networks.input_doubts.OrNone()) verdict.Add({Confidence::kLow, doubt});
   return verdict;
 }
 

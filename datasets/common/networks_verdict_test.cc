@@ -34,5 +34,13 @@ TEST(NetworksVerdict, IsByTheRunThatWasHeldOut) {
   EXPECT_NE(verdict.why.find("no run was held out"), std::string::npos) << verdict.why;
 }
 
+TEST(NetworksVerdict, IsLowWhereAnInputTellsTheTime) {
+  Blob result = TrainedNetworks({9, 6, 5}, {8, 6, 7});
+  result.Put("input_doubts", Array::Texts({"input 'seq' only grows"}));
+  const Verdict verdict = NetworksVerdict(result);
+  EXPECT_EQ(verdict.trust, Confidence::kLow);
+  EXPECT_NE(verdict.why.find("input 'seq' only grows"), std::string::npos) << verdict.why;
+}
+
 }  // namespace
 }  // namespace cairn::datasets

@@ -13,6 +13,7 @@
 #include "datasets/import/sample_rows.h"
 #include "datasets/import/timed_inputs.h"
 #include "schema/error.h"
+#include "schema/kinds/inputs_of_time.h"
 #include "schema/text.h"
 
 namespace cairn::datasets {
@@ -54,6 +55,7 @@ class ImagesImport {
     if (samples_.runs.empty()) throw InputError(Table() + ": there are no samples in it");
     report_.skipped.insert(bad_.counts().begin(), bad_.counts().end());
     *samples = MakeSamples(samples_);
+    for (std::string& doubt : InputsOfTimeOf(*samples)) report_.warnings.push_back(std::move(doubt));
     return report_;
   }
 

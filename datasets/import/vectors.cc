@@ -9,6 +9,7 @@
 #include "datasets/import/csv_reader.h"
 #include "datasets/import/sample_rows.h"
 #include "schema/error.h"
+#include "schema/kinds/inputs_of_time.h"
 #include "schema/text.h"
 
 namespace cairn::datasets {
@@ -54,6 +55,7 @@ class VectorsImport {
     for (const std::string& path : options_.runs) ReadRun(path);
     report_.skipped = bad_.counts();
     *samples = MakeSamples(samples_);
+    for (std::string& doubt : InputsOfTimeOf(*samples)) report_.warnings.push_back(std::move(doubt));
     return report_;
   }
 

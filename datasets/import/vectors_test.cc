@@ -99,6 +99,18 @@ TEST_F(ImportVectorsTest, RepeatedPosesAreTakenAndCounted) {
   ExpectContains(report.warnings[0], "run 'a': 2 of 5 samples repeat the pose of an earlier one");
 }
 
+TEST_F(ImportVectorsTest, ARowsNumberLeftInTheFileIsSaid) {
+  std::string rows = "time_s,x_m,y_m,red,seq\n";
+  for (int k = 0; k < 20; ++k) {
+    const std::string at = std::to_string(k);
+    rows += at + "," + at + ",0," + (k % 3 == 0 ? "1" : "0") + "," + at + "\n";
+  }
+  Put("a.csv", rows);
+  const ImportReport report = Import();
+  ASSERT_EQ(report.warnings.size(), 1U);
+  EXPECT_EQ(report.warnings[0].find("input 'seq' only grows along every run"), 0U) << report.warnings[0];
+}
+
 TEST_F(ImportVectorsTest, MissingAndDoubledColumnsAreRefused) {
   ExpectContains(Failure("time_s,x_m,s\n1,0,1\n2,0,1\n"),
                  "a.csv:1: the header lacks columns: it must have time_s,x_m,y_m");

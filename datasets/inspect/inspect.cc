@@ -16,6 +16,7 @@
 #include "datasets/common/range_doubts.h"
 #include "datasets/common/unit_doubts.h"
 #include "schema/kinds/grid_map.h"
+#include "schema/kinds/inputs_of_time.h"
 #include "schema/kinds/kind.h"
 #include "schema/kinds/learning.h"
 #include "schema/kinds/local_map.h"
@@ -271,6 +272,7 @@ Result<Inspection> Inspect(const std::string& path) {
   inspection.warnings = OdometryHolesOf(blob);
   for (std::string& robot : RobotsWithoutObservationsOf(blob))
     inspection.warnings.push_back(std::move(robot));
+  if (inspection.kind == "samples") inspection.warnings = InputsOfTimeOf(blob);
   if (inspection.kind == "log")
     for (const auto& doubts : {ObservationDoubtsOf(blob), ConstantReadingsOf(blob)})
       inspection.warnings.insert(inspection.warnings.end(), doubts.begin(), doubts.end());

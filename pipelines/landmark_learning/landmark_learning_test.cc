@@ -164,6 +164,21 @@ TEST(LandmarkLearning, SaysThatImagesAreNotLookedAt) {
       "inputs of images");
 }
 
+TEST(LandmarkLearning, KeepsWhichInputsTellTheTime) {
+  Blob samples = CorridorSamples().Make();
+  EXPECT_FALSE(Learn(samples, {.steps = 2})->Has("input_doubts"));
+  for (int run = 0; run < 3; ++run) {
+    const std::string name = "run/" + std::to_string(run) + "/input";
+    const auto values = samples.Get<float>(name);
+    std::vector<float> input(values.begin(), values.end());
+    for (std::size_t k = 0; k < 80; ++k) input[5 * k + 4] = static_cast<float>(k);
+    samples.Put(name, Array::Of<float>({80, 5}, input));
+  }
+  const auto doubts = Learn(samples, {.steps = 2})->Texts("input_doubts");
+  ASSERT_EQ(doubts.size(), 1U);
+  EXPECT_EQ(doubts[0].find("input 'constant' only grows along every run"), 0U) << doubts[0];
+}
+
 // There and back it sees different things at a position. A robot that knows which way it faces compares with
 // what was seen facing that way alone: it errs as much before, and less after.
 TEST(LandmarkLearning, WhoKnowsItsHeadingIsNotMisledByWhatItSawOnTheWayBack) {

@@ -74,6 +74,7 @@ Step ResultOf(const Options& options, const TrainingData& data, const Training& 
   VisitOptions(texts, copy);
   of.options = texts.all;
   if (!t.warnings.empty()) of.warnings = t.warnings;
+  if (!data.input_doubts.empty()) of.input_doubts = data.input_doubts;
   if (parent != nullptr) of.ancestry = AncestryOf(*parent);
   Blob result = BlobOf(of);
   if (starts != nullptr) result.PutAll("", *starts);

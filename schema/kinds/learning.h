@@ -111,7 +111,7 @@ struct Networks {
 
   Weights networks;
   Map map;
-  Texts runs, options, warnings;
+  Texts runs, options, warnings, input_doubts;
   History history;
   Column<double> prior_error_m, validation_prior_error_m, window_m, heading_window_deg, starts_error_m;
   Column<std::int64_t> starts_chosen;
@@ -128,6 +128,7 @@ struct Networks {
     field({"heading_window_deg", "", NotNegative()}, &Networks::heading_window_deg);
     field({"options", "O"}, &Networks::options);
     field({"warnings", "W"}, &Networks::warnings);
+    field({"input_doubts", "D"}, &Networks::input_doubts);
     field({"starts/error_m", "C", Finite()}, &Networks::starts_error_m);
     field({"starts/chosen", "", IndexInto("starts/error_m")}, &Networks::starts_chosen);
     field("ancestry", &Networks::ancestry);

@@ -125,11 +125,11 @@ std::string Tiles(const Blob& result, const kinds::Networks& of, const TrainingH
   return TilesHtml(tiles + WallTimeTile(result));
 }
 
-std::string Warnings(const Texts& warnings) {
-  if (!warnings) return "";
+std::string Warnings(const kinds::Networks& of) {
   std::string items;
-  for (const std::string& warning : warnings) items += "<li>" + Escape(warning) + "</li>\n";
-  return "<ul class=\"bad\">\n" + items + "</ul>\n";
+  for (const Texts& texts : {of.input_doubts, of.warnings})
+    for (const std::string& warning : texts.OrNone()) items += "<li>" + Escape(warning) + "</li>\n";
+  return items.empty() ? "" : "<ul class=\"bad\">\n" + items + "</ul>\n";
 }
 
 std::string Ancestry(const kinds::Networks::Ancestry& of) {
@@ -151,7 +151,7 @@ std::string NetworksHtml(const Blob& result) {
                      " of " + Count(static_cast<std::int64_t>(of.networks.input_mean.size()), "input") +
                      " trained on.</p>\n";
   html += Tiles(result, of, h);
-  html += SectionHtml("Warnings", Warnings(of.warnings));
+  html += SectionHtml("Warnings", Warnings(of));
   html += SectionHtml("Training", TrainingHtml(h));
   html += SectionHtml("What the networks see", OutputsHtml(result));
   html += SectionHtml("Time", TimeHtml(RoundTimes(result)));

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "schema/error.h"
+#include "schema/kinds/inputs_of_time.h"
 #include "schema/kinds/learning.h"
 
 namespace cairn::landmark_learning {
@@ -196,6 +197,7 @@ TrainingData TrainingData::Of(const Blob& blob, const std::string& holdout, cons
   const std::size_t inputs = data.input_names.size();
   if (inputs == 0)
     throw InputError("the samples have no inputs; of images `cairn run image_features` makes some");
+  data.input_doubts = InputsOfTimeOf(blob);
   if (!holdout.empty()) RequireNoCopy(samples, holdout, unseen);
   RawSet training, held_out;
   for (std::size_t r = 0; r < all.size(); ++r) {

@@ -43,6 +43,7 @@ struct TrainingData {
   // Of each input, over the training samples; an input that never changes: scale 1.
   std::vector<double> mean, scale;
   SampleSet training, held_out;
+  std::vector<std::string> input_doubts;  // inputs that tell when, not where
 
   // From an input of kind `samples` (schema/FORMAT.md), checked as its kind. `given`: a mean and a scale to
   // normalise by, or null: those of the training samples. `unseen`: runs that are as if they were not there.
@@ -60,6 +61,7 @@ struct TrainingData {
     field("scale", &TrainingData::scale);
     field("training", &TrainingData::training);
     field("held_out", &TrainingData::held_out);
+    field("input_doubts", &TrainingData::input_doubts);
   }
 };
 

@@ -1,0 +1,18 @@
+// Inputs of samples that tell when, not where: a row's number, a clock, a counter of a sensor's frames, left
+// in the file. Where a robot drives the same way each time, networks learn such a one as if it were a
+// landmark.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "schema/blob.h"
+
+namespace cairn {
+
+// A sentence for people for each input that only grows along every run of `samples`, or only falls, and is
+// another for more than half of the samples of each. None where a run has fewer than twenty samples: a sensor
+// may do that by chance. Of what is missing or of another type it says nothing.
+std::vector<std::string> InputsOfTimeOf(const Blob& samples);
+
+}  // namespace cairn
