@@ -77,7 +77,7 @@ void Turn(Server& server, const StoreFolder& folder, MetricsPort* metrics, bool 
 Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomic<bool>& stop) {
   const Result<std::optional<wire::ServerSecurity>> security = ReadSecurity(options.keys_dir);
   if (!security.ok()) return security.status();
-  Result<StoreFolder> folder = StoreFolder::OpenToServe(options.store_dir, options.take_over);
+  Result<StoreFolder> folder = StoreFolder::OpenToServe(options.store_dir);
   if (!folder.ok()) return folder.status();
   RaiseFileLimit();
   FreeAtOnce();
@@ -87,14 +87,19 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   const Result<std::unique_ptr<Transport>> transport =
       ListenZmq(options.listen, security.value(), options.sockets);
   if (!transport.ok()) return transport.status();
-  Result<JobTable> table = OpenJobTable(folder.value(), log);
-  if (!table.ok()) return table.status();
   std::unique_ptr<MetricsPort> metrics;
   if (!options.metrics.empty()) {
     Result<std::unique_ptr<MetricsPort>> port = MetricsPort::Listen(options.metrics);
     if (!port.ok()) return port.status();
     metrics = std::move(port).value();
     log(Severity::kInfo, "metrics at http://" + metrics->address() + "/metrics");
+  }
+  // Last: who is taken over ends, and nobody would serve where this one cannot.
+  if (Status served = folder.value().Serve(options.take_over); !served.ok()) return served;
+  Result<JobTable> table = OpenJobTable(folder.value(), log);
+  if (!table.ok()) {
+    folder.value().GiveBack();
+    return table.status();
   }
 
   ServerOptions server_options;
@@ -129,6 +134,7 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
     server.emplace(folder.value(), *transport.value(), std::move(table).value(), std::move(server_options),
                    log);
   } catch (const UnreadableStore& error) {
+    folder.value().GiveBack();
     return {Code::kIo, error.what()};
   }
   log(Severity::kInfo, "listening on " + options.listen + ", store " + options.store_dir);
@@ -138,6 +144,8 @@ Status Serve(const ServiceOptions& options, const LogSink& log, const std::atomi
   if (!stop) log(Severity::kInfo, "no job runs any more: the service ends (--drain)");
   if (!server->Shut(kPatience_s)) log(Severity::kWarning, "ended before the last rounds were saved");
   server.reset();  // what it had to write is written
+  if (const std::string lost = folder.value().TakenOver(); !lost.empty())
+    return {Code::kBusy, options.store_dir + ": " + lost};
   folder.value().GiveBack();
   return Status::Ok();
 }

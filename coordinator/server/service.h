@@ -6,10 +6,13 @@
 //         DIR/id                          which store it is, whatever DIR is called (store/store_id.h)
 //         DIR/served                      for how long it was served, in all (store/served_file.h)
 //         DIR/jobs.sqlite                 jobs' logs and the highest number of one (WAL); begun anew where it
-//         is lost DIR/blobs/<hash>.h5             a blob that checkpoints name DIR/blobs/pack-<hash>.h5 many
-//         small ones in one DIR/blobs/<hash>.flat           an input, as it was uploaded DIR/uploads/<n>.part
-//         inputs that are on their way; gone with the next start DIR/checkpoints/<job>/<n>.h5    the last two
-//         of every job, one of a job that is done DIR/results/<job>/<stage>.h5    results, published whole
+//                                         is lost
+//         DIR/blobs/<hash>.h5             a blob that checkpoints name
+//         DIR/blobs/pack-<hash>.h5        many small ones in one
+//         DIR/blobs/<hash>.flat           an input, as it was uploaded
+//         DIR/uploads/<n>.part            inputs that are on their way; gone with the next start
+//         DIR/checkpoints/<job>/<n>.h5    the last two of every job, one of a job that is done
+//         DIR/results/<job>/<stage>.h5    results, published whole
 #pragma once
 
 #include <atomic>

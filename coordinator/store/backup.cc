@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <functional>
 #include <optional>
 #include <set>
 #include <utility>
@@ -47,6 +48,8 @@ struct Copied {
   std::string why = {};  // it is unreadable
 };
 
+Status IsWhole(const fs::path& result) { return ReadStoredFile(result).status(); }
+
 fs::path ResultsIn(const fs::path& store, const std::string& job) { return store / "results" / job; }
 
 class Copier {
@@ -74,12 +77,14 @@ class Copier {
   Result<Copied> CopyPacks(const Hash& wanted);
   Status CopyResults(const proto::Checkpoint& checkpoint);
   Result<Copied> CopyCheckpoint(const proto::Checkpoint& checkpoint, std::uint64_t number);
-  Result<Copied> Copy(const fs::path& source, const fs::path& target);
+  Result<Copied> Copy(const fs::path& source, const fs::path& target,
+                      const std::function<Status(const fs::path&)>& check = nullptr);
   bool Index(const fs::path& pack);
 
   const StoreFolder &from_, &to_;
   const bool check_;
   std::set<Hash> here_, named_;
+  std::set<fs::path> whole_packs_;  // of the copy
   bool all_known_ = true;
   BackupFacts facts_;
 };
@@ -88,11 +93,14 @@ bool Copier::Index(const fs::path& pack) {
   const std::optional<std::vector<Hash>> hashes = HashesInPack(pack);
   if (!hashes) return false;
   here_.insert(hashes->begin(), hashes->end());
+  whole_packs_.insert(pack);
   return true;
 }
 
-// By way of a file that the next owner of the copy removes.
-Result<Copied> Copier::Copy(const fs::path& source, const fs::path& target) {
+// By way of a file that the next owner of the copy removes. `check`: of that file, before it takes the place
+// of what was there.
+Result<Copied> Copier::Copy(const fs::path& source, const fs::path& target,
+                            const std::function<Status(const fs::path&)>& check) {
   const Result<RegularFile> file = RegularFile::Open(source);
   if (!file.ok() && file.status().code() == Code::kNotFound) return Copied{Copied::kGone};
   if (!file.ok()) return Copied{Copied::kUnreadable, file.status().message()};
@@ -119,6 +127,8 @@ Result<Copied> Copier::Copy(const fs::path& source, const fs::path& target) {
     at += count;
   }
   if (::fsync(out) != 0) return end(SystemFailure(part, "fsync", errno));
+  if (const Status whole = check ? check(part) : Status::Ok(); !whole.ok())
+    return end(Copied{Copied::kUnreadable, source.string() + ", as it was copied: " + whole.message()});
   ::close(out);
   std::error_code error;
   fs::rename(part, target, error);
@@ -129,18 +139,22 @@ Result<Copied> Copier::Copy(const fs::path& source, const fs::path& target) {
   return Copied{};
 }
 
-// Those that are not here yet, until one has what is wanted.
+// Those that are not here yet, or are damaged here, until one has what is wanted.
 Result<Copied> Copier::CopyPacks(const Hash& wanted) {
+  Copied missing{Copied::kGone};
   for (const fs::path& pack : from_.PackFiles()) {
     if (here_.contains(wanted)) return Copied{};
     const fs::path target = to_.Blobs() / pack.filename();
-    std::error_code error;
-    if (fs::exists(target, error)) continue;
+    if (whole_packs_.contains(target)) continue;
     const Result<Copied> copied = Copy(pack, target);
     if (!copied.ok()) return copied;
-    if (copied.value().what == Copied::kDone && !Index(target)) fs::remove(target, error);
+    if (copied.value().what == Copied::kUnreadable) missing = copied.value();
+    if (copied.value().what != Copied::kDone || Index(target)) continue;
+    std::error_code error;
+    fs::remove(target, error);
+    missing = {Copied::kUnreadable, pack.string() + ", as it was copied, is damaged"};
   }
-  return here_.contains(wanted) ? Copied{} : Copied{Copied::kGone};
+  return here_.contains(wanted) ? Copied{} : missing;
 }
 
 Result<Copied> Copier::CopyBlob(const Hash& hash) {
@@ -187,18 +201,15 @@ Status Copier::CopyResults(const proto::Checkpoint& checkpoint) {
     const std::string& stage = checkpoint.job().stages(i).name();
     const fs::path source = ResultsIn(from_.dir(), job) / (stage + ".h5"),
                    target = folder / source.filename();
-    if (LooksTheSame(source, target) && !(check_ && !ReadStoredFile(target).ok())) continue;
+    if (LooksTheSame(source, target) && !(check_ && !(IsWhole(source).ok() && IsWhole(target).ok())))
+      continue;
     fs::create_directories(folder, error);
     if (error) return SystemFailure(folder, "make the folder", error.value());
-    const Result<Copied> copied = Copy(source, target);
+    const Result<Copied> copied = Copy(source, target, IsWhole);
     if (!copied.ok()) return copied.status();
     std::string why = copied.value().why;
     if (copied.value().what == Copied::kGone)
       why = source.string() + " is not there, though the stage is done";
-    else if (const Result<BlobFile> whole = ReadStoredFile(target); why.empty() && !whole.ok()) {
-      fs::remove(target, error);
-      why = source.string() + ", as it was copied: " + whole.status().message();
-    }
     if (!why.empty()) facts_.damaged.push_back("job " + job + ": " + why);
   }
   return Status::Ok();
@@ -322,17 +333,24 @@ bool IsACopy(const fs::path& from, const BackupOf& of) {
   return id.ok() && id.value().id == of.id && !fs::equivalent(of.store, from, error);
 }
 
-// Nothing that is not a copy of this store, or the very one that it was made of, is written over.
-Status CheckPlaces(const fs::path& from, const StoreId& id, const fs::path& to) {
+// What is no backup is not even opened.
+Status CheckPlace(const fs::path& from, const fs::path& to) {
   if (Status inside = RefuseInside(from, to); !inside.ok()) return inside;
   std::error_code error;
   if (!fs::exists(to, error) || HoldsNoMoreThanABeginning(to)) return Status::Ok();
-  const Result<BackupOf> of = ReadBackupOf(to / kBackupOf);
-  if (!of.ok())
-    return {Code::kRefused, to.string() + " is there already, and is no backup: name another folder"};
-  const std::string is_of = to.string() + " is a backup of ";
+  if (ReadBackupOf(to / kBackupOf).ok()) return Status::Ok();
+  return {Code::kRefused, to.string() + " is there already, and is no backup: name another folder"};
+}
+
+// Nothing that is not a copy of this store, or the very one that it was made of, is written over. `to` is
+// locked: what it is a backup of is so until this one is done.
+Status CheckWhoseItIs(const fs::path& from, const StoreId& id, const StoreFolder& to) {
+  const Result<BackupOf> of = ReadBackupOf(to.dir() / kBackupOf);
+  if (of.status().code() == Code::kNotFound) return Status::Ok();
+  if (!of.ok()) return of.status();
+  const std::string is_of = to.dir().string() + " is a backup of ";
   if (of.value().id.empty()) {  // then their places say it
-    if (of.value().store == NameOf(from)) return Status::Ok();
+    if (of.value().store == NameOf(from) && !id.was_new) return Status::Ok();
     return {Code::kRefused, is_of + of.value().store + ", not of this store: name another folder"};
   }
   if (!id.restored_from.empty() && id.restored_from == of.value().stamp) return Status::Ok();
@@ -378,9 +396,10 @@ Result<BackupFacts> BackUp(const fs::path& from_dir, const fs::path& to_dir, boo
   if (!from.ok()) return from.status();
   const Result<StoreId> id = ReadStoreId(from.value().IdFile());
   if (!id.ok()) return id.status();
-  if (Status places = CheckPlaces(from_dir, id.value(), to_dir); !places.ok()) return places;
+  if (Status place = CheckPlace(from_dir, to_dir); !place.ok()) return place;
   const Result<StoreFolder> to = StoreFolder::Open(to_dir);
   if (!to.ok()) return to.status();
+  if (Status whose = CheckWhoseItIs(from_dir, id.value(), to.value()); !whose.ok()) return whose;
   if (id.value().id.empty() && from.value().JobsWithCheckpoints().empty() &&
       !to.value().JobsWithCheckpoints().empty())
     return Status(Code::kRefused, from_dir.string() + " has no job, but the copy in " + to_dir.string() +

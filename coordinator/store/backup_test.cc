@@ -13,10 +13,13 @@
 
 #include "coordinator/server/testing/hub_fixture.h"
 #include "coordinator/store/checkpoint_file.h"
+#include "coordinator/store/cleaner.h"
 #include "coordinator/store/job_table.h"
 #include "coordinator/store/recovery.h"
 #include "coordinator/store/store_id.h"
+#include "coordinator/store/testing/open_and_serve.h"
 #include "schema/store/atomic_file.h"
+#include "schema/store/blob_file.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -196,7 +199,7 @@ TEST_F(Backup, AStoreWithoutJobsTakesNoCopyAway) {
 TEST_F(Backup, AStoreOfItsOwnIsNoPlaceForOne) {
   TempFolder other;
   {
-    ASSERT_TRUE(StoreFolder::OpenToServe(other.path() / "store", false).ok());
+    ASSERT_TRUE(OpenAndServe(other.path() / "store", false).ok());
   }
   EXPECT_EQ(BackUp(From(), other.path() / "store").status().code(), Code::kRefused);
   Copied();
@@ -242,7 +245,7 @@ TEST_F(Backup, ARestoreThatIsKilledIsServedByNobodyAndTheSameAgainGoesOn) {
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFSIGNALED(status)) << "it was done before";
   const std::string goes_on = "`cairn restore " + To().string() + " --store " + back.string() + "` goes on";
-  const Status served = StoreFolder::OpenToServe(back, true).status();
+  const Status served = OpenAndServe(back, true).status();
   EXPECT_EQ(served.code(), Code::kRefused);
   EXPECT_PRED_FORMAT2(testing::IsSubstring, goes_on, served.message());
   fs::copy(To(), fixture_.temp.path() / "other", fs::copy_options::recursive);
@@ -257,7 +260,7 @@ TEST_F(Backup, ARestoreThatIsKilledIsServedByNobodyAndTheSameAgainGoesOn) {
   whole.insert("id");
   EXPECT_EQ(Tree(back), whole);
   EXPECT_EQ(RestoreStore(To(), back).status().code(), Code::kRefused) << "it is a store of its own now";
-  EXPECT_TRUE(StoreFolder::OpenToServe(back, false).ok());
+  EXPECT_TRUE(OpenAndServe(back, false).ok());
 }
 
 TEST_F(Backup, WhatHasLostItsCheckpointsIsNotTakenForDeleted) {
@@ -291,8 +294,58 @@ TEST_F(Backup, ACheckFindsWhatHasRottedAndCopiesItAnew) {
   EXPECT_TRUE(CheckBlobAlone(copy, log).ok());
 }
 
+TEST_F(Backup, OfAResultThatIsDamagedTheCopyStays) {
+  fixture_.transport.swallow = [](const wire::Assign&) { return false; };
+  GoOn();
+  fixture_.Until([&] { return fixture_.State() == "done"; });
+  Stop();
+  Copied();
+  const fs::path result = *fs::directory_iterator(From() / "results" / "a");
+  const fs::path copy = To() / "results" / "a" / result.filename();
+  ASSERT_TRUE(ReadBlobFile(copy).ok());
+  const auto size = fs::file_size(result);
+  {
+    std::fstream(result, std::ios::in | std::ios::out).seekp(static_cast<std::streamoff>(size) / 2) << "rot";
+  }
+  EXPECT_EQ(Copied().damaged, std::vector<std::string>()) << "it looks at sizes and trailers alone";
+  const Result<BackupFacts> checked = BackUp(From(), To(), true);
+  ASSERT_TRUE(checked.ok());
+  ASSERT_EQ(checked.value().damaged.size(), 1U);
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, result.filename().string() + ", as it was copied",
+                      checked.value().damaged[0]);
+  EXPECT_TRUE(ReadBlobFile(copy).ok()) << "the last good one";
+  fs::resize_file(result, size - 1);
+  EXPECT_EQ(Copied().damaged.size(), 1U);
+  EXPECT_TRUE(ReadBlobFile(copy).ok()) << "the last good one";
+}
+
+TEST_F(Backup, APackThatHasRottedIsCopiedAnew) {
+  Stop();
+  Copied();
+  const StoreFolder copy = StoreFolder::LookAt(To()).value();
+  ASSERT_FALSE(copy.PackFiles().empty());
+  const fs::path pack = copy.PackFiles().front();
+  {
+    std::fstream(pack, std::ios::in | std::ios::out).seekp(1000) << "rot";
+  }
+  ASSERT_FALSE(HashesInPack(pack));
+  const Result<BackupFacts> checked = BackUp(From(), To(), true);
+  ASSERT_TRUE(checked.ok());
+  EXPECT_EQ(checked.value().damaged, std::vector<std::string>());
+  EXPECT_EQ(checked.value().files, 1U);
+  EXPECT_TRUE(HashesInPack(pack));
+  EXPECT_TRUE(IsWhole());
+  const fs::path there = From() / "blobs" / pack.filename();
+  for (const fs::path& rotten : {there, pack})
+    std::fstream(rotten, std::ios::in | std::ios::out).seekp(1000) << "rot";
+  const BackupFacts damaged = Copied();
+  ASSERT_EQ(damaged.damaged.size(), 1U);
+  EXPECT_PRED_FORMAT2(testing::IsSubstring, there.string() + ", as it was copied, is damaged",
+                      damaged.damaged[0]);
+}
+
 // A coordinator served it.
-void Serve(const fs::path& store) { ASSERT_TRUE(StoreFolder::OpenToServe(store, false).ok()) << store; }
+void Serve(const fs::path& store) { ASSERT_TRUE(OpenAndServe(store, false).ok()) << store; }
 
 void ExpectRefused(const fs::path& from, const fs::path& to, const std::string& why) {
   const Status status = BackUp(from, to).status();
@@ -315,6 +368,36 @@ TEST_F(Backup, AnotherStoreInTheSamePlaceTakesNoCopyAway) {
   EXPECT_TRUE(BackUp(fixture_.temp.path() / "lost", To()).ok()) << "it was moved, and is the same";
 }
 
+// Of a backup of an earlier Cairn the place alone tells whose it is, unless the store that is there now was
+// new when it was first served.
+TEST_F(Backup, ANewStoreInTheSamePlaceTakesNoCopyWithoutAnIdAway) {
+  Stop();
+  Copied();
+  const std::set<fs::path> whole = Tree(To());
+  fs::rename(From(), fixture_.temp.path() / "lost");
+  Serve(From());
+  ExpectRefused(From(), To(), "not of this store");
+  fs::copy(fixture_.temp.path() / "lost" / "checkpoints" / "a", From() / "checkpoints" / "b",
+           fs::copy_options::recursive);
+  Serve(From());
+  ExpectRefused(From(), To(), "not of this store");
+  EXPECT_EQ(Tree(To()), whole);
+}
+
+// Two that begin at once may both find it empty: whose it is is asked of a folder that nobody else has.
+TEST_F(Backup, WhoseACopyIsIsAskedOnceItIsLocked) {
+  Stop();
+  Serve(From());
+  Copied();
+  const fs::path other = fixture_.temp.path() / "other";
+  Serve(other);
+  {
+    const StoreFolder theirs = StoreFolder::Open(To()).value();
+    EXPECT_EQ(BackUp(other, To()).status().code(), Code::kBusy);
+  }
+  ExpectRefused(other, To(), "another store");
+}
+
 TEST_F(Backup, AnIdComesWithTheNextServiceAndOneThatWasGivenStays) {
   Stop();
   Copied();
@@ -324,7 +407,7 @@ TEST_F(Backup, AnIdComesWithTheNextServiceAndOneThatWasGivenStays) {
   EXPECT_EQ(id.size(), 32U);
   Copied();
   EXPECT_EQ(ReadBackupOf(To() / kBackupOf).value().id, id) << "by its place it was known before";
-  ASSERT_TRUE(StoreFolder::OpenToServe(From(), true).ok());
+  ASSERT_TRUE(OpenAndServe(From(), true).ok());
   EXPECT_EQ(ReadStoreId(From() / "id").value().id, id) << "taken over";
   std::ofstream(From() / "id") << "rot";
   ExpectRefused(From(), To(), "another store");
@@ -369,7 +452,7 @@ TEST_F(Backup, IsServedByNobody) {
   Copied();
   const std::set<fs::path> whole = Tree(To());
   for (const bool take_over : {false, true}) {
-    const Status served = StoreFolder::OpenToServe(To(), take_over).status();
+    const Status served = OpenAndServe(To(), take_over).status();
     EXPECT_EQ(served.code(), Code::kRefused);
     EXPECT_PRED_FORMAT2(testing::IsSubstring, "`cairn restore " + To().string() + " --store ANOTHER`",
                         served.message());

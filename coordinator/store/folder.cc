@@ -86,7 +86,7 @@ Result<StoreFolder> StoreFolder::Open(const fs::path& dir) {
   return folder;
 }
 
-Result<StoreFolder> StoreFolder::OpenToServe(const fs::path& dir, bool take_over) {
+Result<StoreFolder> StoreFolder::OpenToServe(const fs::path& dir) {
   Result<StoreFolder> folder = Make(dir);
   if (!folder.ok()) return folder;
   constexpr std::size_t kMostBytes = 1 << 13;
@@ -99,11 +99,16 @@ Result<StoreFolder> StoreFolder::OpenToServe(const fs::path& dir, bool take_over
     return Status(Code::kRefused, dir.string() + " is a backup, and stays one: `cairn restore " +
                                       dir.string() +
                                       " --store ANOTHER` makes a store of it that can be served");
-  if (Status status = folder.value().MakeFolders(); !status.ok()) return status;
-  if (Status status = folder.value().Claim(take_over); !status.ok()) return status;
-  if (Status status = folder.value().GiveId(); !status.ok()) return status;
-  if (Status status = folder.value().Prepare(); !status.ok()) return status;
   return folder;
+}
+
+Status StoreFolder::Serve(bool take_over) {
+  if (Status status = MakeFolders(); !status.ok()) return status;
+  if (Status status = Claim(take_over); !status.ok()) return status;
+  Status status = GiveId();
+  if (status.ok()) status = Prepare();
+  if (!status.ok()) GiveBack();
+  return status;
 }
 
 Status StoreFolder::Prepare() {
@@ -135,7 +140,10 @@ Status StoreFolder::Claim(bool take_over) {
 Status StoreFolder::GiveId() const {
   const Result<StoreId> id = ReadStoreId(IdFile());
   if (!id.ok()) return id.status();
-  return id.value().id.empty() ? WriteStoreId(IdFile(), {.id = NewId(), .restored_from = {}}) : Status::Ok();
+  if (!id.value().id.empty()) return Status::Ok();
+  std::error_code error;
+  const bool is_new = JobsWithCheckpoints().empty() && !fs::exists(JobTable(), error);
+  return WriteStoreId(IdFile(), {.id = NewId(), .restored_from = {}, .was_new = is_new});
 }
 
 // A number that is the next one's is not told by its value alone: of a damaged file two might begin with the

@@ -52,12 +52,14 @@ class StoreFolder {
   // kVersion: it is of a newer version, or from before files had checksum trailers; then nothing in it is
   // touched.
   static Result<StoreFolder> Open(const std::filesystem::path& dir);
-  // The same for a coordinator: other machines that see the folder find out that it is served (holder.h).
-  // One that has no id yet gets one (store_id.h).
-  // kBusy: another machine's has it, as far as anybody knows, and it is not to be taken over. kRefused, too:
-  // it is a backup, whose next one would remove what is done there; or not all that a restore brings is
-  // there.
-  static Result<StoreFolder> OpenToServe(const std::filesystem::path& dir, bool take_over);
+  // The same for a coordinator, which calls Serve once it has all else that it needs.
+  // kRefused, too: it is a backup, whose next one would remove what is done there; or not all that a restore
+  // brings is there.
+  static Result<StoreFolder> OpenToServe(const std::filesystem::path& dir);
+  // From now on other machines that see the folder find out that it is served (holder.h), and whoever served
+  // it writes nothing more. One that has no id yet gets one (store_id.h).
+  // kBusy: another machine's has it, as far as anybody knows, and it is not to be taken over.
+  Status Serve(bool take_over);
   // The same of a store that is there, in which nothing is touched but the lock.
   static Result<StoreFolder> OpenAsItIs(const std::filesystem::path& dir);
   // The same without the lock: another process may have it, and change what is looked at.

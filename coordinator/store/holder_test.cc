@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "coordinator/server/testing/hub_fixture.h"
+#include "coordinator/store/testing/open_and_serve.h"
 
 namespace cairn::coordinator {
 namespace {
@@ -80,12 +81,12 @@ TEST(HeldStore, OfAnotherMachineIsServedOnlyWhereItIsTakenOver) {
   }
   std::ofstream(dir / "uploads" / "1.part") << "of a client of the other's";
   ASSERT_TRUE(WriteHolder(dir / "holder", kElsewhere).ok());
-  const Status refused = StoreFolder::OpenToServe(dir, false).status();
+  const Status refused = OpenAndServe(dir, false).status();
   EXPECT_EQ(refused.code(), Code::kBusy);
   EXPECT_NE(refused.message().find("--take-over"), std::string::npos) << refused.message();
   EXPECT_TRUE(fs::exists(dir / "uploads" / "1.part")) << "nothing is touched";
   EXPECT_EQ(ReadHolder(dir / "holder").value(), kElsewhere);
-  StoreFolder taken = StoreFolder::OpenToServe(dir, true).value();
+  StoreFolder taken = OpenAndServe(dir, true).value();
   EXPECT_EQ(ReadHolder(dir / "holder").value().number, 8u);
   EXPECT_TRUE(taken.IsStillThere().ok());
   taken.GiveBack();
@@ -100,14 +101,14 @@ TEST(HeldStore, ADamagedHolderIsAskedAboutToo) {
   }
   for (const std::string& damaged : {std::string("7 serves"), std::string(2000, 'x')}) {
     std::ofstream(dir / "holder") << damaged;
-    const Status refused = StoreFolder::OpenToServe(dir, false).status();
+    const Status refused = OpenAndServe(dir, false).status();
     EXPECT_EQ(refused.code(), Code::kBusy);
     EXPECT_NE(refused.message().find("start with --take-over"), std::string::npos) << refused.message();
-    EXPECT_TRUE(StoreFolder::OpenToServe(dir, true).ok());
+    EXPECT_TRUE(OpenAndServe(dir, true).ok());
   }
   fs::remove(dir / "holder");
   fs::create_directory(dir / "holder");
-  const Status folder = StoreFolder::OpenToServe(dir, true).status();
+  const Status folder = OpenAndServe(dir, true).status();
   EXPECT_NE(folder.message().find("move it away"), std::string::npos) << folder.message();
 }
 
@@ -115,7 +116,7 @@ TEST(HeldStore, OneThatIsDamagedWhileItIsServedSaysSoAndWhatHelps) {
   for (const bool removed : {false, true}) {
     TempFolder temp;
     const fs::path dir = temp.path() / "store";
-    const StoreFolder store = StoreFolder::OpenToServe(dir, false).value();
+    const StoreFolder store = OpenAndServe(dir, false).value();
     if (removed)
       fs::remove(dir / "holder");
     else

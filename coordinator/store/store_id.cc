@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t kMostIdBytes = 1 << 13;
 constexpr std::size_t kIdDigits = 32;
+constexpr const char* kWasNew = "new";
 constexpr const char* kIdAlphabet = "0123456789abcdef";
 
 std::string NextId(std::istream& lines) {
@@ -38,11 +39,15 @@ Result<StoreId> ReadStoreId(const std::filesystem::path& path) {
   StoreId id;
   id.id = NextId(lines);
   id.restored_from = NextId(lines);
+  std::string last;
+  std::getline(lines, last);
+  id.was_new = last == kWasNew;
   return id;
 }
 
 Status WriteStoreId(const std::filesystem::path& path, const StoreId& id) {
-  return WriteTextAtomically(path, id.id + "\n" + id.restored_from + "\n");
+  return WriteTextAtomically(path,
+                             id.id + "\n" + id.restored_from + "\n" + (id.was_new ? kWasNew : "") + "\n");
 }
 
 Result<BackupOf> ReadBackupOf(const std::filesystem::path& path) {

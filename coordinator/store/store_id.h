@@ -14,6 +14,7 @@ std::string NewId();  // 32 random hexadecimal digits
 struct StoreId {
   std::string id;             // empty: it has none
   std::string restored_from;  // BackupOf::stamp of the backup that it was made of; empty: of none, or unknown
+  bool was_new = false;       // the store held nothing yet when it got its id
 };
 // Of a store without such a file, or whose file is damaged, one without an id. kRefused, kIo: nobody knows.
 Result<StoreId> ReadStoreId(const std::filesystem::path& path);

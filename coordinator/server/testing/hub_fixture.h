@@ -20,6 +20,7 @@
 
 #include "coordinator/server/server.h"
 #include "coordinator/store/recovery.h"
+#include "coordinator/store/testing/open_and_serve.h"
 #include "schema/flat_blob_testing.h"
 
 namespace cairn::coordinator {
@@ -184,7 +185,7 @@ class ServerFixture {
     server.reset();
     folder.reset();
     const std::filesystem::path dir = store_dir.empty() ? temp.path() / "store" : store_dir;
-    folder.emplace(serves ? StoreFolder::OpenToServe(dir, false).value() : StoreFolder::Open(dir).value());
+    folder.emplace(serves ? OpenAndServe(dir, false).value() : StoreFolder::Open(dir).value());
     ServerOptions options;
     options.memory_bytes = memory_bytes;
     options.core.checkpoint_interval_s = checkpoint_interval_s;
