@@ -1,10 +1,15 @@
 #include "coordinator/store/sqlite.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <utility>
+#include <vector>
 
 #include "schema/store/atomic_file.h"
+#include "schema/store/regular_file.h"
 #include "schema/text.h"
 
 namespace cairn::coordinator::sqlite {
@@ -21,6 +26,28 @@ bool IsDamage(int code) {
 std::string NameOf(sqlite3* db) {
   const char* name = sqlite3_db_filename(db, nullptr);
   return name == nullptr || *name == '\0' ? "job table" : name;
+}
+
+Status QuickCheck(sqlite3* db) {
+  Result<Statement> prepared = Prepare(db, "PRAGMA quick_check(1);");
+  if (!prepared.ok()) return prepared.status();
+  if (sqlite3_step(prepared.value().get()) != SQLITE_ROW) return Failure(db);
+  const std::string found = Text(prepared.value().get(), 0);
+  if (found == "ok") return Status::Ok();
+  return {Code::kCorrupt, NameOf(db) + ": damaged: " + Printable(found, kMostFoundBytes)};
+}
+
+// Whether the disk gives what is in a file; one that is not there has nothing.
+Status ReadThrough(const std::string& path) {
+  const Result<RegularFile> file = RegularFile::Open(path);
+  if (!file.ok()) return file.status().code() == Code::kNotFound ? Status::Ok() : file.status();
+  std::vector<std::byte> buffer(1 << 20);
+  for (std::uint64_t at = 0; at < file.value().size(); at += buffer.size()) {
+    const std::size_t count = std::min<std::uint64_t>(buffer.size(), file.value().size() - at);
+    if (const int error = file.value().ReadAt({buffer.data(), count}, at); error != 0)
+      return SystemFailure(path, "cannot be read", error);
+  }
+  return Status::Ok();
 }
 
 }  // namespace
@@ -50,13 +77,13 @@ int StepLimit::CountDown(void* left) {
   return 0;
 }
 
+// Where the disk fails SQLite calls that damage, too: it is asked whether it can be read, and then once more.
 Status CheckPages(sqlite3* db) {
-  Result<Statement> prepared = Prepare(db, "PRAGMA quick_check(1);");
-  if (!prepared.ok()) return prepared.status();
-  if (sqlite3_step(prepared.value().get()) != SQLITE_ROW) return Failure(db);
-  const std::string found = Text(prepared.value().get(), 0);
-  if (found == "ok") return Status::Ok();
-  return {Code::kCorrupt, NameOf(db) + ": damaged: " + Printable(found, kMostFoundBytes)};
+  Status found = QuickCheck(db);
+  if (found.code() != Code::kCorrupt) return found;
+  for (const char* ending : {"", "-wal"})
+    if (Status read = ReadThrough(NameOf(db) + ending); !read.ok()) return read;
+  return QuickCheck(db);
 }
 
 Status Failure(sqlite3* db, const std::string& opened) {

@@ -40,7 +40,7 @@ class StepLimit {
 };
 
 // kCorrupt where its pages are not a database's: one is named twice, or none is where one should be. Takes
-// time and steps in proportion to the file.
+// time and steps in proportion to the file. kIo: the disk does not give it all; what is there nobody knows.
 Status CheckPages(sqlite3* db);
 Result<Statement> Prepare(sqlite3* db, const char* sql);
 Status Execute(sqlite3* db, const char* sql);

@@ -100,6 +100,40 @@ void PutInnerPage(std::uint32_t below, std::size_t page, std::size_t header, std
   }
 }
 
+// A disk that does not give what is read once.
+int reads_before_it_fails = 0;
+const sqlite3_io_methods* of_the_disk = nullptr;
+int ReadOrFail(sqlite3_file* file, void* bytes, int count, sqlite3_int64 at) {
+  return reads_before_it_fails-- == 0 ? SQLITE_IOERR_READ : of_the_disk->xRead(file, bytes, count, at);
+}
+
+TEST(CheckPages, ADiskThatFailsForAMomentIsNoDamage) {
+  const TempFolder temp;
+  const std::string path = (temp.path() / "table").string();
+  const char* fill =
+      "CREATE TABLE t (x); WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 2000) "
+      "INSERT INTO t SELECT hex(randomblob(50)) FROM n;";
+  ASSERT_TRUE(sqlite::Execute(OpenDatabase(path).get(), fill).ok());
+  int whole = 0;
+  for (int reads = 0; reads < 20; ++reads) {
+    const Database db = OpenDatabase(path);
+    ASSERT_TRUE(sqlite::Number(db.get(), "SELECT count(*) FROM sqlite_master;").ok());
+    sqlite3_file* file = nullptr;
+    ASSERT_EQ(sqlite3_file_control(db.get(), "main", SQLITE_FCNTL_FILE_POINTER, &file), SQLITE_OK);
+    of_the_disk = file->pMethods;
+    sqlite3_io_methods failing = *of_the_disk;
+    failing.xRead = ReadOrFail;
+    file->pMethods = &failing;
+    reads_before_it_fails = reads;
+    const Status status = sqlite::CheckPages(db.get());
+    file->pMethods = of_the_disk;
+    ASSERT_LT(reads_before_it_fails, 0) << "it did fail";
+    EXPECT_NE(status.code(), Code::kCorrupt) << reads << ": " << status.message();
+    whole += status.ok() ? 1 : 0;
+  }
+  EXPECT_GT(whole, 10) << "SQLite itself says so of few";
+}
+
 // A store's table with the log of one job, which fills some pages.
 class DamagedTable : public ::testing::Test {
  protected:
