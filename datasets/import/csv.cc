@@ -409,11 +409,21 @@ class CsvImport {
           " poses lie outside the time of the log, where nothing is measured by them: " + example);
   }
 
+  // Whether what observations are truly of is told by their own names. Of one without a name nobody knows it;
+  // that does not make it a false one.
+  bool AllAreNamed() const {
+    return all_measured_ && !landmarks_.names().empty() &&
+           std::ranges::all_of(rows_.robots, [](const RobotRows& robot) {
+             return std::ranges::all_of(robot.observations.landmark,
+                                        [](std::int32_t name) { return name >= 0; });
+           });
+  }
+
   void Associate() {
-    if (options_.truth_associations.empty() && (landmarks_.names().empty() || !all_measured_)) return;
+    if (options_.truth_associations.empty() && !AllAreNamed()) return;
     for (RobotRows& robot : rows_.robots) {
       for (const std::int32_t landmark : robot.observations.landmark) {
-        const bool by_name = options_.truth_associations.empty() && landmark >= 0;
+        const bool by_name = options_.truth_associations.empty();
         robot.observations.truth_landmark.push_back(
             by_name ? truth_.Find(landmarks_.names()[static_cast<std::size_t>(landmark)]) : -1);
       }

@@ -121,10 +121,15 @@ TEST_F(ImportCsvTest, TruthIsByAssociationsInOrderOfTheirTime) {
 }
 
 TEST_F(ImportCsvTest, WithoutAssociationsTruthIsByName) {
-  PutObservations("1,Rosa,a,2,0\n2,Rosa,,2,0\n");
+  PutObservations("1,Rosa,a,2,0\n2,Rosa,b,2,0\n");
   options_.truth_landmarks = folder_.Put("landmarks.csv", "landmark,x_m,y_m\nb,1,2\na,3,4\n");
   Import();
-  EXPECT_EQ(Column<std::int32_t>("truth/robot/0/observations/landmark"), (std::vector<std::int32_t>{1, -1}));
+  EXPECT_EQ(Column<std::int32_t>("truth/robot/0/observations/landmark"), (std::vector<std::int32_t>{1, 0}));
+  // What one without a name is of nobody knows, and it is no false one for that.
+  PutObservations("1,Rosa,a,2,0\n2,Rosa,,2,0\n");
+  Import();
+  EXPECT_FALSE(log_.Has("truth/robot/0/observations/landmark"));
+  EXPECT_TRUE(log_.Has("truth/landmarks/name"));
 }
 
 TEST_F(ImportCsvTest, WhatProgramsWriteForAnUnknownLandmarkIsNoName) {
