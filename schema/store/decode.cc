@@ -189,6 +189,9 @@ Result<Open> OpenDataset(hid_t file, const std::string& name, hid_t access = H5P
   TextAttribute(open.dataset.get(), "unit", &open.info.unit);
   if (const std::string wrong = WhatIsWrongWithName(open.info.unit); !wrong.empty())
     return Corrupt("dataset '" + name + "': its attribute unit " + wrong);
+  if (UnitContradicts(name, open.info.unit))
+    return Corrupt("dataset '" + name + "': its attribute unit says " + open.info.unit + ", and its name " +
+                   UnitOf(name) + ", as which it would be read: convert it, and write that unit, or none");
   return open;
 }
 

@@ -66,6 +66,20 @@ class ForeignFile : public testing::Test {
   Handle file_;
 };
 
+TEST_F(ForeignFile, AUnitThatContradictsTheNameIsNotPassedOver) {
+  {
+    const Handle data(H5Dopen2(file_.get(), "types/time_s", H5P_DEFAULT), H5Dclose);
+    ASSERT_TRUE(data.ok());
+    ASSERT_GE(H5Adelete(data.get(), "unit"), 0);
+    const Handle text(H5Tcopy(H5T_C_S1), H5Tclose), one(H5Screate(H5S_SCALAR), H5Sclose);
+    H5Tset_size(text.get(), 2);
+    const Handle unit(H5Acreate2(data.get(), "unit", text.get(), one.get(), H5P_DEFAULT, H5P_DEFAULT),
+                      H5Aclose);
+    ASSERT_GE(H5Awrite(unit.get(), text.get(), "ms"), 0);
+  }
+  ExpectRefused("'types/time_s': its attribute unit says ms, and its name s");
+}
+
 TEST_F(ForeignFile, ExternalStorageBringsNoOtherFileIn) {
   const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_external(creation.get(), (folder_ / "client.key").c_str(), 0, 50);

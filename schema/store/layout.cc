@@ -38,6 +38,16 @@ std::string UnitOf(std::string_view name) {
   return "1";
 }
 
+bool UnitContradicts(std::string_view name, const std::string& unit) {
+  constexpr std::array kOthers = {"mm", "cm", "km", "ft",  "feet",    "in",  "inch",
+                                  "us", "ms", "ns", "min", "degrees", "km/h"};
+  const std::string own = UnitOf(name);
+  if (own == "1" || unit == own) return false;
+  return std::ranges::find(kOthers, unit) != kOthers.end() ||
+         std::ranges::find(kUnits, unit, &std::pair<std::string_view, std::string_view>::second) !=
+             kUnits.end();
+}
+
 Shape ChunksOf(const Shape& shape, std::size_t item_bytes) {
   Shape chunks = shape;
   auto inner = static_cast<std::int64_t>(item_bytes);  // bytes of all steps along the axis at hand

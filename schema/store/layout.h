@@ -15,6 +15,10 @@ inline constexpr const char* kTrailerAttribute = "cairn_trailer";
 // else "1".
 std::string UnitOf(std::string_view name);
 
+// Whether a unit that somebody wrote beside a name is known to be another one than the name's: "cm" beside
+// forward_m. Of words for units it knows few; one that it does not know contradicts nothing.
+bool UnitContradicts(std::string_view name, const std::string& unit);
+
 // Chunks of about a MiB, cut along the first axes, of even size; a small array is one chunk.
 // shape: no zero in it, at least one axis.
 Shape ChunksOf(const Shape& shape, std::size_t item_bytes);

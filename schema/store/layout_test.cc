@@ -38,5 +38,14 @@ TEST(Layout, DeflateIsForLargeArraysOfZeros) {
   EXPECT_FALSE(DeflatePays(Array::Vector(std::vector<double>(100000, 0.1))));
 }
 
+TEST(UnitContradicts, AnotherOneThanTheNamesAlone) {
+  EXPECT_TRUE(UnitContradicts("robot/0/odometry/forward_m", "cm"));
+  EXPECT_TRUE(UnitContradicts("robot/0/odometry/turn_rad", "deg"));
+  EXPECT_TRUE(UnitContradicts("robot/0/odometry/time_s", "ms"));
+  for (const char* same : {"", "1", "m", "metres"})
+    EXPECT_FALSE(UnitContradicts("robot/0/odometry/forward_m", same)) << same;
+  EXPECT_FALSE(UnitContradicts("robot/0/observations/landmark", "cm")) << "a name without a unit";
+}
+
 }  // namespace
 }  // namespace cairn::store
