@@ -53,6 +53,7 @@ TEST(CoreLost, OneThatIsBackBeforeItsLossIsNoticedIsOneWorkerAndNobodyIsBlamed) 
   }
   EXPECT_EQ(fixture.Info().state(), "running");
   EXPECT_TRUE(fixture.core.FindJob("a")->failures.empty());
+  EXPECT_LT(fixture.core.served_s(), 10) << "jobs that are kept for so long did not grow older";
 }
 
 TEST(CoreLost, OneThatWasSilentAndIsHeardOfAgainIsNotBlamed) {

@@ -219,6 +219,7 @@ void Core::LeaveOutStandstill() {
   const double left_out_s = gap_s - kCounts * options_.lease_s;
   ticked_s_ = now_s_;
   fleet_.LeaveOut(left_out_s, now_s_);
+  served_from_s_ += left_out_s;  // nobody was served: no job grew older
   for (auto& [process, lost] : lost_) lost.since_s = std::min(now_s_, lost.since_s + left_out_s);
   if (fleet_.size() > 0)
     Say(Report::kWarning, "the coordinator stood still for " + std::to_string(static_cast<int>(gap_s)) +

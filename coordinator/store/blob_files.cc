@@ -192,7 +192,10 @@ void BlobFiles::Remove(const std::vector<Hash>& hashes) {
     }
   }
   std::error_code ignored;
-  for (const fs::path& path : garbage) fs::remove(path, ignored);
+  for (const fs::path& path : garbage) {
+    if (!folder_.IsStillThere().ok()) return;  // another machine's, by now, which may need them
+    fs::remove(path, ignored);
+  }
 }
 
 void BlobFiles::Quarantine(const Hash& hash) {

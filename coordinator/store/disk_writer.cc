@@ -143,7 +143,9 @@ DiskDone DiskWriter::Do(WriteCheckpointWork& work) {
   if (done.status.ok() && bytes > 0 && checkpoint.state() != proto::JOB_CANCELLED)
     done.status = use_.Reserve(bytes);
   if (done.status.ok()) done.status = files_.Write(work.blobs, done.written);
+  // Asked again before what others read: a machine that stood still meanwhile may have lost the store.
   for (const ResultToWrite& result : work.results) {
+    if (done.status.ok()) done.status = folder_.IsStillThere();
     if (done.status.ok()) done.status = MakeFolder(result.path.parent_path());
     if (!done.status.ok()) return done;
     done.status = WriteBlobFile(result.path, KindOf(*result.blob),
@@ -153,7 +155,9 @@ DiskDone DiskWriter::Do(WriteCheckpointWork& work) {
   const fs::path path = folder_.CheckpointFile(checkpoint.job_id(), checkpoint.number());
   std::error_code ignored;
   done.status = MakeFolder(path.parent_path());
-  if (done.status.ok()) done.status = WriteCheckpoint(path, checkpoint);
+  if (done.status.ok()) done.status = folder_.IsStillThere();
+  if (!done.status.ok()) return done;
+  done.status = WriteCheckpoint(path, checkpoint);
   if (done.status.ok()) {
     RemoveOldCheckpoints(checkpoint);
     static_cast<void>(table_.NoteNumber(checkpoint.job_id()));  // the checkpoint tells it too
@@ -177,6 +181,7 @@ void DiskWriter::RemoveOldCheckpoints(const proto::Checkpoint& checkpoint) const
   const std::size_t keep = final ? 1 : 2;  // its record alone
   const std::vector<std::uint64_t> numbers = folder_.CheckpointNumbers(checkpoint.job_id());
   for (std::size_t i = 0; i + keep < numbers.size(); ++i) {
+    if (!folder_.IsStillThere().ok()) return;
     std::error_code ignored;  // an old checkpoint too many does no harm
     fs::remove(folder_.CheckpointFile(checkpoint.job_id(), numbers[i]), ignored);
   }

@@ -38,7 +38,8 @@ std::vector<Sight> SightsOf(const PosedScans& scans, const RobotRuns& robot) {
     for (std::size_t k = 0; k < robot.sensors.size(); ++k) {
       const RangeScans& sensor = scans.sensors[robot.sensors[k]];
       const std::int64_t row = robot.row_of_log[s * robot.sensors.size() + k];
-      if (sensor.opening_rad > 0 || row < 0) continue;
+      // Infra-red ends before what the default reaches: that it sees nothing makes no hall.
+      if (sensor.opening_rad > 0 || !(sensor.max_range_m > near_m) || row < 0) continue;
       const auto ranges = sensor.range_m.As<double>().subspan(
           static_cast<std::size_t>(row) * sensor.beams.size(), sensor.beams.size());
       beams += ranges.size();

@@ -94,6 +94,17 @@ TEST(Size, SonarTakesTheDefault) {
   EXPECT_FALSE(IsHall(Chosen(drive)));
 }
 
+// Rays, as a laser's, which end at 0.8 m.
+TEST(Size, InfraRedIsNoWitnessEither) {
+  std::vector<double> ranges(kScans * kLaserBeams, kUnanswered);
+  for (std::size_t k = 0; k < ranges.size(); k += kLaserBeams) ranges[k] = 0.5;
+  Drive40 drive = DriveOf(4, kNever);
+  drive.scans.sensors[0].range_m = Array::Of<double>({kScans, kLaserBeams}, ranges);
+  EXPECT_TRUE(IsHall(Chosen(drive))) << "a laser's";
+  drive.scans.sensors[0].max_range_m = 0.8;
+  EXPECT_FALSE(IsHall(Chosen(drive)));
+}
+
 TEST(Size, OneRobotInAHallIsEnough) {
   Drive40 drive = DriveOf(9.5, [](std::size_t) { return true; });
   const Drive40 other = DriveOf(9.5, kNever);
