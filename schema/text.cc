@@ -40,7 +40,7 @@ std::string WhatIsWrongWithElement(std::string_view padded, bool alone, std::siz
 
 Status WrongName(const std::string& name, const std::string& wrong) {
   return {Code::kCorrupt,
-          "the name of the dataset '" + Escaped(name.substr(0, kMostNameBytes)) + "' " + wrong};
+          "the name of the dataset '" + EscapedName(name.substr(0, kMostNameBytes)) + "' " + wrong};
 }
 
 // HDF5 would silently drop parts that are empty and '.', and the name would not come back.
@@ -117,7 +117,7 @@ Status CheckTexts(const Blob& blob) {
       const std::string wrong = WhatIsWrongWithElement(text, array.shape().empty(), most);
       if (wrong.empty()) continue;
       const std::string shown =
-          Escaped(text.substr(0, std::min(text.find_last_not_of('\0') + 1, kMostNameBytes)));
+          EscapedName(text.substr(0, std::min(text.find_last_not_of('\0') + 1, kMostNameBytes)));
       return {Code::kCorrupt, "dataset '" + name + "': '" + shown + "' " + wrong};
     }
   }
@@ -144,6 +144,16 @@ std::string Escaped(std::string_view text) {
       shown.append(text, at, bytes);
     at += std::max<std::size_t>(bytes, 1);
   }
+  return shown;
+}
+
+std::string EscapedName(std::string_view name) {
+  std::string shown;
+  for (const char c : Escaped(name))
+    if (c == '\n' || c == '\t')
+      shown += c == '\n' ? "\\n" : "\\t";
+    else
+      shown += c;
   return shown;
 }
 

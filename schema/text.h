@@ -47,6 +47,10 @@ std::string CutTo(std::string_view text, std::size_t most);
 // JSON.
 std::string Escaped(std::string_view text);
 
+// The same of a name, of which a newline, which would make a line of its own, and a tab are written as \n,
+// \t.
+std::string EscapedName(std::string_view name);
+
 // What others wrote, made fit for a log, a terminal and a message: no control characters, nothing but whole
 // characters of UTF-8 (else '?'), at most `most_bytes` and a '…'.
 std::string Printable(const std::string& text, std::size_t most_bytes);

@@ -16,6 +16,7 @@ TEST(Text, IsCutBetweenCharacters) {
 
 TEST(Text, NothingThatATerminalObeysIsShown) {
   EXPECT_EQ(Escaped("Rosa\x1b[2J\x07\r"), "Rosa\\u001b[2J\\u0007\\u000d");
+  EXPECT_EQ(EscapedName("x\ncairn: all is fine\t\x1b"), "x\\ncairn: all is fine\\t\\u001b");
   EXPECT_EQ(Escaped(std::string("a\0b", 3)), "a\\u0000b");
   EXPECT_EQ(Escaped("a\x7f\xc2\x9b"), "a\\u007f\\u009b")
       << "DEL, and the C1 character that begins a sequence";

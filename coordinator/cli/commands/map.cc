@@ -51,7 +51,7 @@ Blob ReadLog(const std::string& path) {
 std::string NameIn(const fs::path& folder, const std::string& path) {
   const std::string log = fs::canonical(path).lexically_relative(fs::weakly_canonical(fs::absolute(folder)));
   if (const std::string wrong = WhatIsWrongWithName(log, kMostTextBytes); !wrong.empty())
-    throw InputError("'" + log + "' cannot stand in a job file, for it " + wrong +
+    throw InputError("'" + EscapedName(log) + "' cannot stand in a job file, for it " + wrong +
                      "; rename it, or `cairn run PIPELINE` of it");
   return log;
 }

@@ -73,7 +73,7 @@ int AllowKey(const fs::path& named, const std::string& key, const wire::Allowed&
   const std::string& name = allowed.name;
   // A line of its own would be another key.
   if (const std::string wrong = WhatIsWrongWithName(name); !wrong.empty())
-    throw InputError("the name '" + name + "' " + wrong + "; --name gives another");
+    throw InputError("the name '" + EscapedName(name) + "' " + wrong + "; --name gives another");
   const fs::path list = Target(named);
   const FolderLock lock = Lock(list.parent_path());
   const wire::AllowedKeys before = Read(list);  // a list that is damaged is not made worse

@@ -104,7 +104,7 @@ namespace {
 ParsedJob WithPlainTexts(ParsedJob parsed) {
   const auto check = [](const std::string& what, const std::string& text, std::size_t most) {
     if (const std::string wrong = WhatIsWrongWithName(text, most); !wrong.empty())
-      throw InputError(what + " '" + text.substr(0, kMostNameBytes) + "' " + wrong);
+      throw InputError(what + " '" + EscapedName(text.substr(0, kMostNameBytes)) + "' " + wrong);
   };
   check("the job's name", parsed.job.name(), kMostNameBytes);
   for (auto& [name, path] : *parsed.job.mutable_inputs()) {
