@@ -40,7 +40,8 @@ std::string KeyOf(const std::string& given) {
 int New(const KeysArguments& options, const Invocation&) {
   if (options.name.empty() || options.name.find('/') != std::string::npos || options.name[0] == '.' ||
       !WhatIsWrongWithName(options.name).empty())
-    throw InputError("'" + EscapedName(options.name) + "' is no name for a key pair; --dir says where it goes");
+    throw InputError("'" + EscapedName(options.name) +
+                     "' is no name for a key pair; --dir says where it goes");
   std::error_code error;
   if (fs::create_directories(Folder(options), error))
     fs::permissions(Folder(options), fs::perms::owner_all, error);
