@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "datasets/bag/antenna.h"
+
 namespace cairn::datasets::bag {
 namespace {
 
@@ -101,34 +103,30 @@ std::optional<double> SigmaOf(std::vector<Fix> fixes) {
   return std::sqrt(middle->variance_m2);
 }
 
-// From where the antenna was to where the robot was. In a turn the robot's own place goes along its heading,
-// the antenna does not: the course of the one gives the place of the other, and that a better course.
-void TakeOffAntenna(const Pose& antenna, std::vector<PoseRow>* rows) {
-  constexpr int kRounds = 4;
-  const std::vector<PoseRow> fixes = *rows;
-  for (int round = 0; round < kRounds; ++round) {
-    for (std::size_t i = 0; i < fixes.size(); ++i) {
-      const double heading = (*rows)[i].pose.heading_rad, c = std::cos(heading), s = std::sin(heading);
-      (*rows)[i].pose.x_m = fixes[i].pose.x_m - (c * antenna.x_m - s * antenna.y_m);
-      (*rows)[i].pose.y_m = fixes[i].pose.y_m - (s * antenna.x_m + c * antenna.y_m);
-    }
-    AddCourse(rows);
-  }
-}
-
 // Says in the log's words what was done about it.
-std::string PlaceOnRobot(const std::optional<Pose>& antenna, std::optional<double> sigma_m,
-                         std::vector<PoseRow>* rows) {
+std::string PlaceOnRobot(const std::optional<Pose>& antenna, const SpooledRows<PoseRow>& odometry,
+                         std::optional<double> sigma_m, std::vector<PoseRow>* rows) {
+  const std::string of_course = "; its headings are the course over a metre";
   constexpr double kLeast_m = 0.02;
-  if (!antenna) return "they are of the antenna, and no tf says where on the robot that is";
+  if (!antenna) return "they are of the antenna, and no tf says where on the robot that is" + of_course;
   const double aside_m = std::hypot(antenna->x_m, antenna->y_m);
-  if (aside_m < kLeast_m) return "the antenna sits in the robot's middle";
+  if (aside_m < kLeast_m) return "the antenna sits in the robot's middle" + of_course;
   const std::string where =
       fmt::format("the antenna, {:.2f} m ahead of the robot's middle and {:.2f} m to its left", antenna->x_m,
                   antenna->y_m);
-  if (sigma_m.value_or(0) > aside_m) return "they are of " + where + ", which is less than they tell apart";
-  TakeOffAntenna(*antenna, rows);
-  return "they are of " + where + ", which is taken off by the course";
+  if (sigma_m.value_or(0) > aside_m)
+    return "they are of " + where + ", which is less than they tell apart" + of_course;
+  if (odometry.empty()) return "they are of " + where + ", and no odometry tells its headings" + of_course;
+  const std::size_t all = rows->size(), left_out = TakeOffAntenna(*antenna, odometry, rows);
+  std::string text =
+      "they are of " + where +
+      ", which is taken off by odometry's headings, turned to the fixes over some metres; so are the "
+      "truth's";
+  if (left_out > 0)
+    text += fmt::format(
+        "; {} of {} are left out: there odometry has gaps, hardly moves, or does not fit the fixes", left_out,
+        all);
+  return text;
 }
 
 }  // namespace
@@ -136,7 +134,8 @@ std::string PlaceOnRobot(const std::optional<Pose>& antenna, std::optional<doubl
 std::unique_ptr<TopicReader> ReadFixes(FixRows* rows) { return std::make_unique<FixReader>(rows); }
 
 std::vector<PoseRow> PosesOfFixes(const FixRows& rows, const std::optional<Pose>& antenna,
-                                  std::optional<Fix>* origin, ImportReport* report) {
+                                  const SpooledRows<PoseRow>& odometry, std::optional<Fix>* origin,
+                                  ImportReport* report) {
   std::vector<Fix> fixes = rows.fixes;
   std::ranges::stable_sort(fixes, {}, &Fix::time_s);
   std::vector<PoseRow> poses;
@@ -152,14 +151,13 @@ std::vector<PoseRow> PosesOfFixes(const FixRows& rows, const std::optional<Pose>
   }
   AddCourse(&poses);
   const std::optional<double> sigma_m = SigmaOf(fixes);
-  const std::string place = PlaceOnRobot(antenna, sigma_m, &poses);
-  report->warnings.push_back(fmt::format(
-      "{}: the truth is its fixes as metres east and north of {:.6f}, {:.6f}; {}; {}; its headings are the "
-      "course over a metre",
-      rows.topic, (*origin)->latitude_deg, (*origin)->longitude_deg,
-      sigma_m ? fmt::format("their covariances say {:.2g} m, an axis", *sigma_m)
-              : "how exact they are their covariances do not say",
-      place));
+  const std::string place = PlaceOnRobot(antenna, odometry, sigma_m, &poses);
+  report->warnings.push_back(
+      fmt::format("{}: the truth is its fixes as metres east and north of {:.6f}, {:.6f}; {}; {}", rows.topic,
+                  (*origin)->latitude_deg, (*origin)->longitude_deg,
+                  sigma_m ? fmt::format("their covariances say {:.2g} m, an axis", *sigma_m)
+                          : "how exact they are their covariances do not say",
+                  place));
   return poses;
 }
 

@@ -29,9 +29,10 @@ std::unique_ptr<TopicReader> ReadFixes(FixRows* rows);
 // East and north of `origin`, which is else set to the first fix, in metres on the plane that touches the
 // Earth (WGS 84) there; the heading is the course over a metre at least, and stays what it was where the
 // robot stands. Where fixes are missing there are no poses. `antenna`: its place on the robot, where that is
-// known: poses are then the robot's own, if the fixes are exact enough for that to matter. Says in the report
-// what truth that is.
+// known: poses are then the robot's own, with its headings, if the fixes are exact enough for that to matter
+// and there is odometry, in the order of time (antenna.h). Says in the report what truth that is.
 std::vector<PoseRow> PosesOfFixes(const FixRows& rows, const std::optional<Pose>& antenna,
-                                  std::optional<Fix>* origin, ImportReport* report);
+                                  const SpooledRows<PoseRow>& odometry, std::optional<Fix>* origin,
+                                  ImportReport* report);
 
 }  // namespace cairn::datasets::bag

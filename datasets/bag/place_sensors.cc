@@ -52,7 +52,9 @@ class BagLog {
     CompareWithOthers();
     if (!in_.gyro.topic.empty()) TurnOdometry();
     TakePosesOfTf();
-    if (!in_.fixes.topic.empty()) in_.truth = PosesOfFixes(in_.fixes, Antenna(), origin, &report_);
+    SortRows(&in_.odometry.poses, [](const PoseRow& row) { return row.time_s; });
+    if (!in_.fixes.topic.empty())
+      in_.truth = PosesOfFixes(in_.fixes, Antenna(), in_.odometry.poses, origin, &report_);
     in_.frames.ForgetTracks();
     AddPoses(in_.truth, &RangeEvent::truth);
     AddPoses(in_.poses, &RangeEvent::corrected);
@@ -200,7 +202,6 @@ class BagLog {
   // Most events are odometry, which stands before others of its time.
   void MergeOdometry() {
     SpooledRows<PoseRow>& poses = in_.odometry.poses;
-    SortRows(&poses, [](const PoseRow& row) { return row.time_s; });
     SpooledRows<RangeEvent> merged(in_.folder);
     std::size_t next = 0;
     const auto add_before = [&](const RangeEvent* event) {

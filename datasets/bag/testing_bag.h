@@ -65,11 +65,11 @@ class Encoder {
 };
 
 inline std::string OdometryMessage(Encoder::To to, double stamp_s, double x, double heading,
-                                   double variance = 0) {
+                                   double variance = 0, double y = 0) {
   Encoder out(to);
   out.Header(stamp_s, "odom")
       .Text("base_link")
-      .Doubles({x, 0, 0, 0, 0, std::sin(heading / 2), std::cos(heading / 2)});
+      .Doubles({x, y, 0, 0, 0, std::sin(heading / 2), std::cos(heading / 2)});
   for (int i = 0; i < 36; ++i) out.Put(i == 35 ? variance : 0.0);
   for (int i = 0; i < 6 + 36; ++i) out.Put(0.0);
   return out.text();
