@@ -94,6 +94,7 @@ class BagImport {
     std::ranges::stable_sort(bags_, {}, [](const auto& one) { return one->first_ns(); });
     topics_ = bag::TopicsOf(bags_);
     if (topics_.empty()) RefuseWithoutTopics();
+    CheckMounts();
     SetClock();
     if (!options_.cloud.empty()) FindMounts();
     ChooseTopics();
@@ -105,6 +106,14 @@ class BagImport {
       robot.mounts = options_.mounts;
       robot.path = bags_.size() == 1 ? bags_.front()->path() : options_.files.front() + " and others";
     }
+  }
+
+  // Frames may turn up in the midst of a bag; topics are known.
+  void CheckMounts() const {
+    for (const auto& [name, pose] : options_.mounts)
+      if (name.starts_with('/') &&
+          std::ranges::none_of(topics_, [&](const Topic& topic) { return topic.name.ends_with(name); }))
+        bag::FindTopic(topics_, name, {}, "--mount");
   }
 
   void Open(const std::string& path) {

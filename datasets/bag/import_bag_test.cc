@@ -92,6 +92,8 @@ TEST_F(ImportBagTest, SensorsSitWhereTfSays) {
   options_.mounts["/scan"] = {0.5, 0, 0};
   Import(messages);
   EXPECT_EQ(Column<double>("robot/0/laser/beam_x_m")[0], 0.5);
+  options_.mounts["/scna"] = {0.5, 0, 0};
+  ExpectContains(Refusal(messages), "--mount /scna: there is no such topic; the nearest: '/scan'");
 }
 
 // Of a scan that has none there is nothing; drivers that know none write zeros.

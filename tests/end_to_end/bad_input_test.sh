@@ -83,6 +83,7 @@ refuses_import 'carmen.log:2: line cut short, or fewer values' cairn import carm
 carmen 'FLASER 2 1 nan 0 0 0 0 0 0 1.5 h 1.5' "$good_scan" >carmen.log
 refuses_import 'carmen.log:2: range is not finite: beam 1 measures nan' cairn import carmen carmen.log log.h5
 refuses_import 'what is meant is SENSOR=X,Y,DEGREES' cairn import carmen carmen.log log.h5 --mount laser=1,2
+refuses_import '--mount is said twice of laser' cairn import carmen carmen.log log.h5 --mount laser=1,2,0 --mount laser=1,2,3
 refuses_import 'corrected excludes --raw' cairn import carmen carmen.log log.h5 --corrected --raw
 exits 0 cairn import carmen carmen.log log.h5 --skip-bad
 says '^cairn: skipped 1: range is not finite$'

@@ -24,6 +24,9 @@ for packing in none bz2 lz4; do same_bits same.h5 $packing.h5; done
 refuses 'first make a log of it: cairn import bag none.bag log.h5' cairn map none.bag
 refuses 'there is no such topic; the nearest' cairn import bag none.bag x.h5 --odometry /odm
 refuses 'OUT.h5 is required' cairn import bag none.bag
+refuses "--mount /scna: there is no such topic; the nearest: '/scan'" cairn import bag none.bag x.h5 --mount /scna=0,0,0
+refuses '--mount is said twice of /scan' cairn import bag none.bag x.h5 --mount /scan=0,0,0 --mount /scan=1,0,0
+exits 0 cairn import bag none.bag --mount /scan=0,0,0 mounted.h5 --scan /scan  # each takes one
 head -c 100000 none.bag >cut.bag
 refuses 'the file ends within it' cairn import bag cut.bag cut.h5
 exits 0 cairn import bag cut.bag cut.h5 --skip-bad

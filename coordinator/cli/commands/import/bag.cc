@@ -27,7 +27,7 @@ int ImportBag(const BagOptions& options, const Invocation&) {
       }
     };
   for (const std::string& mount : options.mounts)
-    import.mounts.insert(ParseNamedMount(mount, "/scan=0.1,0,180"));
+    AddOnce("--mount", ParseNamedMount(mount, "/scan=0.1,0,180"), &import.mounts);
   import.folder = std::filesystem::absolute(options.out).parent_path();
   const Result<datasets::StoredImport> stored = datasets::ImportBagInChild(
       import, [&](const Blob& log, const datasets::ImportReport& report) -> Result<std::string> {
@@ -51,17 +51,22 @@ void AddTopics(Command command, datasets::BagImportOptions& bag) {
               "Odometry by joints: LEFT_JOINT,RIGHT_JOINT,RADIUS_M,DISTANCE_M of a differential drive");
   command.Add("--gyro", bag.gyro,
               "Topic of sensor_msgs/Imu: the odometry turns as it does, its bias taken out ('/imu*deg')");
-  command.Add("--scan", bag.scans, "Topic of laser scans (again: of several lasers); 'none'");
+  command.Add("--scan", bag.scans, "Topic of laser scans (again: of several lasers); 'none'").OneEachTime();
   command.Add(
       "--cloud", bag.cloud,
       "LOW_M,HIGH_M,REACH_M: of a --scan that is clouds of points (PointCloud2), those at these heights");
-  command.Add("--sonar", bag.sonars, "Topic of sensor_msgs/Range (again: of several; else all); 'none'");
-  command.Add("--landmarks", bag.landmarks,
-              "Topic of detected markers, as landmarks; TOPIC:range=FIELD,bearing=FIELD,id=FIELD or x=, y=: "
-              "fields of any messages; tf:BEGINNING: frames of such names (again: of several)");
-  command.Add("--tags", bag.tags,
-              "TOPIC=METRES: images in which AprilTags with black squares of that edge are landmarks (again: "
-              "of several)");
+  command.Add("--sonar", bag.sonars, "Topic of sensor_msgs/Range (again: of several; else all); 'none'")
+      .OneEachTime();
+  command
+      .Add("--landmarks", bag.landmarks,
+           "Topic of detected markers, as landmarks; TOPIC:range=FIELD,bearing=FIELD,id=FIELD or x=, y=: "
+           "fields of any messages; tf:BEGINNING: frames of such names (again: of several)")
+      .OneEachTime();
+  command
+      .Add("--tags", bag.tags,
+           "TOPIC=METRES: images in which AprilTags with black squares of that edge are landmarks (again: "
+           "of several)")
+      .OneEachTime();
   command.Add("--tag-family", bag.tag_family, "Of which they are").ShowDefault();
   command.Add("--camera", bag.camera,
               "FX,FY,CX,CY[,K1,K2,P1,P2,K3] of the images (else as the camera_info beside them says)");
@@ -84,9 +89,11 @@ void AddBagImport(Command import, Invocation& call) {
       .Check([](const std::string& name) { return name.ends_with(".h5") ? "a bag is no .h5 file" : ""; });
   AddTopics(command, bag);
   command.Add("--base", bag.base, "The robot's frame in tf (else that of the odometry)");
-  command.Add("--mount", options->mounts,
-              "Where a sensor sits, TOPIC=X,Y,DEGREES or FRAME=X,Y,DEGREES on the robot (else as tf says; "
-              "again: of several)");
+  command
+      .Add("--mount", options->mounts,
+           "Where a sensor sits, TOPIC=X,Y,DEGREES or FRAME=X,Y,DEGREES on the robot (else as tf says; "
+           "again: of several)")
+      .OneEachTime();
   command.Add("--from", bag.from_s, "Leave out what was before so many seconds").NotNegative();
   command.Add("--until", bag.until_s, "Leave out what was after so many seconds").NotNegative();
   command.AddFlag("--by-receipt", bag.by_receipt,

@@ -31,12 +31,6 @@ std::pair<std::string, double> ParseLateness(const std::string& text) {
   return {number == 0 ? "" : text.substr(0, number - 1), *late_s};
 }
 
-template <class T>
-void AddOnce(const char* option, std::pair<std::string, T> one, std::map<std::string, T>* all) {
-  if (!all->insert(one).second)
-    throw InputError(std::string(option) + " is said twice" + (one.first.empty() ? "" : " of " + one.first));
-}
-
 int ImportCsv(const CsvOptions& options, const Invocation&) {
   const datasets::CsvImportOptions& files = options.import;
   CheckOutputIsNoInput(options.out, {files.odometry, files.observations, files.truth_poses,

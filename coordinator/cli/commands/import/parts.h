@@ -1,12 +1,14 @@
 // What the import commands have in common.
 #pragma once
 
+#include <map>
 #include <string>
 #include <utility>
 
 #include "coordinator/cli/common/invocation.h"
 #include "datasets/import/log_rows.h"
 #include "schema/blob.h"
+#include "schema/error.h"
 #include "schema/geometry.h"
 
 namespace cairn::cli {
@@ -37,6 +39,13 @@ std::pair<std::string, Pose> ParseMountOfRobot(const std::string& option, const 
 // Of "NAME=X,Y,DEGREES": where something sits on the robot. Throws InputError that says what is meant, such
 // as `example`.
 std::pair<std::string, Pose> ParseNamedMount(const std::string& text, const std::string& example);
+
+// Throws InputError where `option` was given the same name before.
+template <class T>
+void AddOnce(const char* option, std::pair<std::string, T> one, std::map<std::string, T>* all) {
+  if (!all->insert(one).second)
+    throw InputError(std::string(option) + " is said twice" + (one.first.empty() ? "" : " of " + one.first));
+}
 
 inline constexpr char kUnitsAreRight[] = "--units-are-right";
 

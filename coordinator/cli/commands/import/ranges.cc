@@ -34,7 +34,7 @@ int ImportCarmen(const CarmenOptions& options, const Invocation&) {
   datasets::CarmenImportOptions import = options.import;
   if (options.corrected) import.poses = Poses::kCorrected;
   if (options.raw) import.poses = Poses::kRaw;
-  for (const std::string& mount : options.mounts) import.mounts.insert(ParseLaserMount(mount));
+  for (const std::string& mount : options.mounts) AddOnce("--mount", ParseLaserMount(mount), &import.mounts);
   Blob log;
   const datasets::ImportReport report = datasets::ImportCarmen(import, &log);
   return StoreImport(options, log, report);
@@ -59,9 +59,11 @@ void AddCarmen(Command import, Invocation& call) {
   command.Add("--laser-max-range-m", log.max_range_m, "Reach: from there on nothing was met")
       .Within(1e-3, 1e3);
   command.Add("--sonar-max-range-m", log.sonar_max_range_m, "The same of the sonars").Within(1e-3, 1e3);
-  command.Add("--mount", options->mounts,
-              "Where a laser sits, SENSOR=X,Y,DEGREES on the robot, for laser, laser2 (rear), … (again: "
-              "of several)");
+  command
+      .Add("--mount", options->mounts,
+           "Where a laser sits, SENSOR=X,Y,DEGREES on the robot, for laser, laser2 (rear), … (again: "
+           "of several)")
+      .OneEachTime();
   AddOdometryNoise(command, log.noise);
   AddOutput(command, *options);
 }
