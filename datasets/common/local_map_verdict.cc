@@ -404,6 +404,46 @@ void JudgeScans(const kinds::LocalMap& map, Verdict* verdict) {
   verdict->AddCount("scans_disagree", all);
 }
 
+std::string ApartText(double way_m, double turn_rad) {
+  constexpr double kWay_m = 0.1, kTurn_rad = 2 * kDegree;
+  const std::string way = fmt::format("{:.1f} m", way_m), turn = fmt::format("{} degrees", Degrees(turn_rad));
+  if (way_m < kWay_m) return turn;
+  return turn_rad < kTurn_rad ? way : way + " and " + turn;
+}
+
+// Where two lasers of a robot see the same walls in different places, each wall stands twice in the map. What
+// only one of them sees, as the legs of a table, is no mount's fault: another one would explain it no better.
+Verdict::Doubt OfLasers(const kinds::LocalMap::Lasers& lasers, std::size_t i) {
+  constexpr std::int64_t kFew = 100;
+  constexpr double kAgree = 0.9, kExplains = 0.85, kSeldom = 0.3, kLess = 0.5, kMore = 1.25, kMoved_m = 0.1,
+                   kMoved_rad = 4 * kDegree;
+  const auto looked = static_cast<double>(lasers.looked[i]),
+             moved_looked = static_cast<double>(lasers.moved_looked[i]);
+  const double share = lasers.share[i], moved_share = lasers.moved_share[i];
+  const bool better = moved_share > kExplains &&
+                      (1 - moved_share) * moved_looked < kLess * (1 - share) * looked &&
+                      moved_share * moved_looked > kMore * share * looked;
+  const bool moved = lasers.moved_m[i] > kMoved_m || lasers.moved_rad[i] > kMoved_rad;
+  const bool seldom = lasers.looked[i] < kFew || looked < kSeldom * moved_looked;
+  if (seldom || share > kAgree || !better || !moved) return {Confidence::kHigh};
+  return {
+      Confidence::kLow,
+      fmt::format("'{}' and '{}' see walls in different places, about {} apart: {:.0f}% of what the second "
+                  "meets stands where the first met something, and {:.0f}% would if one of them sat "
+                  "elsewhere. Is a mount wrong? Cairn has it from the log, of a bag from tf or `--mount`",
+                  lasers.first[i], lasers.second[i], ApartText(lasers.moved_m[i], lasers.moved_rad[i]),
+                  100 * share, 100 * moved_share)};
+}
+
+void JudgeLasers(const kinds::LocalMap& map, Verdict* verdict) {
+  for (const kinds::LocalMap::Robot& robot : map.robot) {
+    for (std::size_t i = 0; i < robot.lasers.looked.OrNone().size(); ++i) {
+      verdict->numbers.emplace_back("lasers_agree", robot.lasers.share[i]);
+      verdict->Add(OfLasers(robot.lasers, i));
+    }
+  }
+}
+
 // Without a loop a path that contradicts odometry has nothing for it.
 void JudgeUnlooped(const kinds::LocalMap& map, Verdict* verdict) {
   constexpr double kMuch_rad = std::numbers::pi / 2;
@@ -423,6 +463,7 @@ void JudgeUnlooped(const kinds::LocalMap& map, Verdict* verdict) {
       std::ranges::any_of(map.robot, [](const auto& robot) { return !robot.fit.from_s.OrNone().empty(); }))
     verdict->trust = Confidence::kLow;
   JudgeScans(map, verdict);
+  JudgeLasers(map, verdict);
 }
 
 }  // namespace
@@ -450,6 +491,7 @@ Verdict LocalMapVerdict(const Blob& result) {
   JudgeWalls(map, &verdict);
   JudgeBlindWays(result, map, &verdict);
   JudgeScans(map, &verdict);
+  JudgeLasers(map, &verdict);
   return verdict;
 }
 

@@ -16,7 +16,7 @@ namespace cairn::datasets {
 // simulated offices pipelines/local_map/EXPERIMENTS.md says. Not known where no loop was found, unless
 // odometry would have to drift by a quarter turn or more. Low where scans show another motion than the path
 // has or a hole in the log hides one; fair at most where the path took a turn from the scans that odometry
-// missed.
+// missed. Low where two lasers of a robot see walls in different places.
 Verdict LocalMapVerdict(const Blob& result);
 
 // How far its local grids reach to each side; 0: not known.

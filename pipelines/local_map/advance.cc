@@ -383,6 +383,8 @@ class Turn {
       AddScanTask("follow", {r, 0, 0, all_[r].scans.size()}, PathName(r), &step_.plan)
           .Read("traces", kTraces)
           .Read("connections", kConnections);
+      if (LasersIn(*inputs_.Get(RingsName(r))) > 1)
+        AddScanTask("lasers", {r, 0, 0, all_[r].scans.size()}, PathName(r), &step_.plan);
     }
     ExpectRest(options_, Scans(), 0, &step_.plan);
   }
@@ -391,8 +393,8 @@ class Turn {
     Blob result = *inputs_.Get(kResult);
     for (std::size_t k = 0; k < partials_.size(); ++k) {
       const BlobPtr partial = partials_.Get(k);
-      const std::string robot = "robot/" + std::to_string(partial->Scalar<std::int64_t>("robot"));
-      result.PutAll(robot + "/positions/", partial->Sub("positions/"));
+      const std::string robot = "robot/" + std::to_string(RobotOf(*partial, robots_)) + "/";
+      for (const char* table : {"positions/", "lasers/"}) result.PutAll(robot + table, partial->Sub(table));
     }
     step_.plan.set_result(step_.Share(std::move(result)));
     step_.plan.set_note("done");

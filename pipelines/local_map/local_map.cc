@@ -12,6 +12,7 @@
 
 #include "pipelines/common/handed_over.h"
 #include "pipelines/local_map/advance.h"
+#include "pipelines/local_map/path/laser_agreement.h"
 #include "pipelines/local_map/plan.h"
 #include "pipelines/local_map/size.h"
 #include "pipelines/local_map/tasks/follow_task.h"
@@ -151,10 +152,31 @@ Blob FollowAll(const Task& task, const Inputs& inputs, const Options& options, S
   return partial;
 }
 
+// FORMAT.md's lasers/.
+Blob CompareAll(const Inputs& inputs, ScanReader* scans, Progress& progress) {
+  const std::vector<Scan> rows = RowsIn<Scan>(*inputs.Get("rows"));
+  RequireSize("rows", rows.size(), scans->size());
+  const std::vector<LaserAgreement> all = CompareLasers(
+      scans->beams(), rows, [&](std::size_t s) { return scans->Read(s); }, [&] { progress.Tick(); });
+  const auto name = [&](std::int32_t ring) { return scans->SensorName(static_cast<std::size_t>(ring)); };
+  kinds::LocalMap::Lasers lasers;
+  lasers.first = cairn::ColumnOf(all, [&](const LaserAgreement& a) { return name(a.first); });
+  lasers.second = cairn::ColumnOf(all, [&](const LaserAgreement& a) { return name(a.second); });
+  lasers.looked = cairn::ColumnOf(all, &LaserAgreement::looked);
+  lasers.share = cairn::ColumnOf(all, &LaserAgreement::share);
+  lasers.moved_looked = cairn::ColumnOf(all, &LaserAgreement::moved_looked);
+  lasers.moved_share = cairn::ColumnOf(all, &LaserAgreement::moved_share);
+  lasers.moved_m = cairn::ColumnOf(all, &LaserAgreement::moved_m);
+  lasers.moved_rad = cairn::ColumnOf(all, &LaserAgreement::moved_rad);
+  Blob partial;
+  if (!all.empty()) partial.PutAll("lasers/", BlobOf(lasers));
+  return partial;
+}
+
 }  // namespace
 
 Blob LocalMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
-  RequireKind(task, {"pairs", "walls", "traces", "follow"});
+  RequireKind(task, {"pairs", "walls", "traces", "lasers", "follow"});
   const Options options = Sized(options_, SizeOf(task));
   if (task.kind() == "pairs") return MatchPairs(inputs, options, progress);
   ScanReader scans(*inputs.Get("log"), *inputs.Get("rings"), *inputs.Get("rows"), options.ring_beams);
@@ -169,6 +191,8 @@ Blob LocalMap::Run(const Task& task, const Inputs& inputs, Progress& progress) c
     partial.PutScalar("own", first + static_cast<std::int64_t>(OwnOf(task, scans)));
   } else if (task.kind() == "traces") {
     partial = RecordTraces(task, inputs, options.grid, &scans, progress, options.record);
+  } else if (task.kind() == "lasers") {
+    partial = CompareAll(inputs, &scans, progress);
   } else {
     partial = FollowAll(task, inputs, options, &scans, progress);
   }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "pipelines/local_map/testing/corridor.h"
+#include "pipelines/local_map/testing/two_lasers.h"
 #include "pipelines/testing/in_process.h"
 #include "schema/kinds/local_map.h"
 
@@ -15,17 +16,9 @@ namespace {
 
 constexpr int kLap = 4 * 50;
 
-std::vector<TestWall> Room() {
-  std::vector<TestWall> all = TestBox(7, 7, {0, 0, 0});
-  for (const TestWall& wall : TestBox(1.2, 0.5, {1.5, 3.2, 0})) all.push_back(wall);
-  for (const TestWall& wall : TestBox(0.5, 0.9, {-3.2, -1, 0})) all.push_back(wall);
-  for (const TestWall& wall : TestBox(0.8, 0.6, {-1, -3.2, 0})) all.push_back(wall);
-  return all;
-}
-
 // A robot that drives round and round a room by odometry whose heading drifts. NaN ranges: `missing` sensors.
 Blob RoomLog(int laps, int missing = 0, int jump_at = -1) {
-  const std::vector<TestWall> walls = Room();
+  const std::vector<TestWall> walls = FurnishedRoom();
   Rng rng(4);
   Pose pose{-2, -2, 0};
   std::vector<double> time, turn, forward, range, x, y, heading;
@@ -121,7 +114,40 @@ Blob LaserRoomLog(int laps, int missed, int slips = -1) {
     told.push_back(turns && side == missed ? Pose() : steps.back());
     if (side == slips && along >= 10 && along < 20) told.back().x_m += 0.12;
   }
-  return LaserLog(Room(), {-1.6, -1.6, 0}, steps, told);
+  return LaserLog(FurnishedRoom(), {-1.6, -1.6, 0}, steps, told);
+}
+
+// The second of its two lasers is said to sit at `told`.
+Blob TwoLaserLog(const Pose& told) {
+  const TestLaser ahead{.mount = {0.2, 0, 0}, .told = {0.2, 0, 0}},
+      behind{.mount = {-0.2, 0, M_PI}, .told = told};
+  const TwoLaserDrive drive({ahead, behind}, FurnishedRoom(), 12);
+  Rng rng(4);
+  std::vector<double> time, turn, forward;
+  for (const Pose& step : drive.steps) {
+    time.push_back(0.2 * static_cast<double>(time.size() + 1));
+    turn.push_back(step.heading_rad * 1.01 + 0.0004 + 0.002 * rng.Normal());
+    forward.push_back(step.x_m * 1.01);
+  }
+  Blob log;
+  log.Put("robots", Array::Texts({"ann"}));
+  log.PutVector("robot/0/odometry/time_s", time);
+  log.PutVector("robot/0/odometry/turn_rad", turn);
+  log.PutVector("robot/0/odometry/forward_m", forward);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const TestLaser& laser = drive.lasers[k];
+    const std::string name = k == 0 ? "robot/0/laser/" : "robot/0/laser2/";
+    const std::vector<Pose> beams = laser.Beams(laser.told);
+    log.PutVector(name + "time_s", time);
+    log.Put(name + "range_m",
+            Array::Of<double>({static_cast<std::int64_t>(time.size()), TestLaser::kBeams}, laser.range_m));
+    log.PutVector(name + "beam_x_m", cairn::ColumnOf(beams, &Pose::x_m));
+    log.PutVector(name + "beam_y_m", cairn::ColumnOf(beams, &Pose::y_m));
+    log.PutVector(name + "beam_heading_rad", cairn::ColumnOf(beams, &Pose::heading_rad));
+    log.PutScalar(name + "opening_rad", 0.0);
+    log.PutScalar(name + "max_range_m", 10.0);
+  }
+  return log;
 }
 
 // Twice along the rows of an empty hall of 20 by 14 m, 2.4 m apart.
@@ -377,6 +403,23 @@ TEST(LocalMap, OdometryMayBeReadSeldom) {
   const BlobPtr map = Map(log);
   EXPECT_LT(ErrorM(log, *map), 0.1);
   EXPECT_TRUE(Read<kinds::LocalMap>(*map).robot[0].fit.from_s.OrNone().empty());
+}
+
+TEST(LocalMap, HoldsTwoLasersAgainstEachOther) {
+  for (const double off_m : {0.0, 0.6}) {
+    const auto map = Read<kinds::LocalMap>(*RunInProcess(
+        LocalMap(Options(), 7), {{"log", std::make_shared<Blob>(TwoLaserLog({-0.2 + off_m, 0, M_PI}))}}));
+    const kinds::LocalMap::Lasers& lasers = map.robot[0].lasers;
+    ASSERT_EQ(lasers.looked.size(), 1U);
+    EXPECT_EQ(lasers.first[0], "laser");
+    EXPECT_EQ(lasers.second[0], "laser2");
+    EXPECT_NEAR(lasers.moved_m[0], off_m, 0.08);
+    EXPECT_GT(lasers.moved_share[0], 0.9);
+    EXPECT_EQ(lasers.share[0] > 0.9, off_m == 0) << lasers.share[0];
+  }
+  const auto map = Read<kinds::LocalMap>(
+      *RunInProcess(LocalMap(Options(), 7), {{"log", std::make_shared<Blob>(LaserRoomLog(1, -1))}}));
+  EXPECT_TRUE(map.robot[0].lasers.looked.OrNone().empty()) << "one laser has no other";
 }
 
 TEST(LocalMap, SensorsMayBeMissing) {

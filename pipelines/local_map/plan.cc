@@ -57,6 +57,7 @@ constexpr double kTrackUs = 60, kPlanUs = 15, kJoinUs = 10, kKeepUs = 1, kUsualP
 
 double ScanUs(std::string_view kind, const Size& size) {
   if (kind == "walls") return 12;
+  if (kind == "lasers") return 100;
   return kind == "traces" ? 50 * size.cells() : 300 * size.finer() * size.finer();
 }
 

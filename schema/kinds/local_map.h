@@ -53,6 +53,22 @@ struct LocalMap {
       field({"hole", "D", YesNo()}, &Fit::hole);
     }
   };
+  // Whether two of its lasers see the same walls in the same places.
+  struct Lasers {
+    Texts first, second;
+    Column<std::int64_t> looked, moved_looked;
+    Column<double> share, moved_share, moved_m, moved_rad;
+    static void Fields(const auto& field) {
+      field({"first", "L"}, &Lasers::first);
+      field({"second", "L"}, &Lasers::second);
+      field({"looked", "L", NotNegative()}, &Lasers::looked);
+      field({"share", "L", Share()}, &Lasers::share);
+      field({"moved_looked", "L", NotNegative()}, &Lasers::moved_looked);
+      field({"moved_share", "L", Share()}, &Lasers::moved_share);
+      field({"moved_m", "L", NotNegative()}, &Lasers::moved_m);
+      field({"moved_rad", "L", NotNegative()}, &Lasers::moved_rad);
+    }
+  };
   struct Positions {
     Column<double> time_s, z_m, u_m, range_z_m, range_u_m;
     Column<std::int32_t> trace;
@@ -73,6 +89,7 @@ struct LocalMap {
     Cuts cuts;
     Metre metre;
     Fit fit;
+    Lasers lasers;
     Positions positions;
     static void Fields(const auto& field) {
       field({"poses", "S"}, &Robot::poses);
@@ -80,6 +97,7 @@ struct LocalMap {
       field("cuts", &Robot::cuts);
       field("metre", &Robot::metre);
       field("fit", &Robot::fit);
+      field("lasers", &Robot::lasers);
       field("positions", &Robot::positions);
     }
   };

@@ -35,11 +35,11 @@ constexpr double kElsewhere = 0.5, kStep_m = 0.6, kStep_rad = 40 * kDeg;
 constexpr double kFastest_mps = 0.8, kMostSlip_m = 1.2, kSlip_s = 3;  // that a robot is carried
 constexpr double kMostTurn_rad = 60 * kDeg;
 
+}  // namespace
+
 bool IsLaser(const ScaleWatch::Ring& ring) {
   return ring.opening_rad == 0 && ring.beams.size() >= kLeastBeams;
 }
-
-}  // namespace
 
 std::optional<std::size_t> LaserOfMostBeams(const std::vector<ScaleWatch::Ring>& rings) {
   std::optional<std::size_t> most;

@@ -31,6 +31,8 @@ struct Contradiction {
   }
 };
 
+// Of enough beams to tell a motion by: no few infra-red sensors.
+bool IsLaser(const ScaleWatch::Ring& ring);
 // The laser that has the most beams; none where there is none.
 std::optional<std::size_t> LaserOfMostBeams(const std::vector<ScaleWatch::Ring>& rings);
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pipelines/common/handed_over.h"
+#include "pipelines/local_map/path/motion_watch.h"
 #include "schema/error.h"
 #include "schema/kinds/fields.h"
 
@@ -26,6 +27,14 @@ int SectorsOf(const std::vector<Pose>& beams, double opening_rad, std::int64_t r
   return sectors < static_cast<int>(beams.size()) ? std::max(sectors, 1) : 0;
 }
 
+// Of "robot/0/laser/".
+std::string SensorOf(const std::string& name) {
+  const std::size_t end = name.find_last_not_of('/') + 1;
+  const std::size_t before = name.find_last_of('/', end - 1);
+  const std::size_t first = before == std::string::npos ? 0 : before + 1;
+  return name.substr(first, end - first);
+}
+
 std::vector<double> TurretOf(const Blob& log, const std::string& sensor) {
   const auto turret = Column<double>::In(log, sensor + "turret_rad");
   return turret ? turret.vector() : std::vector<double>();
@@ -41,6 +50,14 @@ Blob RingsBlob(const PosedScans& scans, const std::vector<std::size_t>& sensors)
   return rings;
 }
 
+std::size_t LasersIn(const Blob& rings) {
+  std::size_t lasers = 0;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(rings.Scalar<std::int64_t>("count")); ++k)
+    lasers += IsLaser({.beams = RowsIn<Pose>(rings, Numbered(k) + "beam/"),
+                       .opening_rad = rings.Scalar<double>(Numbered(k) + "opening_rad")});
+  return lasers;
+}
+
 ScanReader::ScanReader(const Blob& log, const Blob& rings, const Blob& rows, std::int64_t ring_beams) {
   for (std::size_t k = 0; k < static_cast<std::size_t>(rings.Scalar<std::int64_t>("count")); ++k) {
     const std::string name = rings.Text(Numbered(k) + "name");
@@ -52,6 +69,7 @@ ScanReader::ScanReader(const Blob& log, const Blob& rings, const Blob& rows, std
     RequireWithin("max_range_m", max_range_m, 0.0, kFar_m);
     rings_.emplace_back(beams, opening_rad, max_range_m, SectorsOf(beams, opening_rad, ring_beams));
     beams_.push_back({beams, opening_rad, max_range_m});
+    name_.push_back(SensorOf(name));
     range_m_.push_back(log.at(name + "range_m"));
     turret_rad_.push_back(TurretOf(log, name));
     const Shape& shape = range_m_.back().shape();

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "pipelines/common/range_scans.h"
@@ -16,6 +17,9 @@ namespace cairn::local_map {
 // A robot's sensors without their readings, for tasks.
 Blob RingsBlob(const PosedScans& scans, const std::vector<std::size_t>& sensors);
 
+// How many of them are lasers (IsLaser).
+std::size_t LasersIn(const Blob& rings);
+
 class ScanReader {
  public:
   // `rings` as RingsBlob made it; `rows` some rows of what RowsOf(runs) made; a laser's beams are thinned to
@@ -26,6 +30,8 @@ class ScanReader {
   std::size_t size() const { return time_s_.size(); }
   const std::vector<SensorRing>& rings() const { return rings_; }
   const std::vector<ScaleWatch::Ring>& beams() const { return beams_; }
+  // In the log, of its robot: "laser".
+  const std::string& SensorName(std::size_t ring) const { return name_[ring]; }
   double time_s(std::size_t scan) const { return time_s_[scan]; }
   Pose pose(std::size_t scan) const { return pose_[scan]; }
   bool unsure(std::size_t scan) const { return unsure_[scan] != 0; }
@@ -35,6 +41,7 @@ class ScanReader {
  private:
   std::vector<SensorRing> rings_;
   std::vector<ScaleWatch::Ring> beams_;
+  std::vector<std::string> name_;
   std::vector<Array> range_m_;                   // of each ring, keeps them alive
   std::vector<std::vector<double>> turret_rad_;  // of each ring's scans; empty: no turret
   std::vector<double> time_s_;
