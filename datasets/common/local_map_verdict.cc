@@ -414,7 +414,7 @@ std::string ApartText(double way_m, double turn_rad) {
 // Where two lasers of a robot see the same walls in different places, each wall stands twice in the map. What
 // only one of them sees, as the legs of a table, is no mount's fault: another one would explain it no better.
 Verdict::Doubt OfLasers(const kinds::LocalMap::Lasers& lasers, std::size_t i) {
-  constexpr std::int64_t kFew = 100;
+  constexpr std::int64_t kFew = 500;  // of 4000: they look elsewhere
   constexpr double kAgree = 0.9, kExplains = 0.85, kSeldom = 0.3, kLess = 0.5, kMore = 1.25, kMoved_m = 0.1,
                    kMoved_rad = 4 * kDegree;
   const auto looked = static_cast<double>(lasers.looked[i]),

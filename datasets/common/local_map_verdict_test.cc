@@ -98,8 +98,8 @@ TEST(LocalMapVerdict, LasersThatSeeWallsInDifferentPlacesAreNamed) {
   EXPECT_EQ(OfLasers(2447, 0.106, 2162, 0.75, 0.38, 0).trust, Confidence::kHigh)
       << "nor this: before each wall stands something that is too low for one of them";
   EXPECT_EQ(OfLasers(2000, 0.7, 2000, 0.9, 0.1, 0.02).trust, Confidence::kHigh) << "too little to matter";
-  EXPECT_EQ(OfLasers(20, 0.1, 20, 1, 1, 2).trust, Confidence::kHigh) << "of too few";
-  EXPECT_EQ(OfLasers(300, 0.5, 3000, 0.98, 0.4, 3).trust, Confidence::kHigh)
+  EXPECT_EQ(OfLasers(317, 0.498, 517, 0.979, 0.5, 0).trust, Confidence::kHigh) << "of too few";
+  EXPECT_EQ(OfLasers(800, 0.5, 3000, 0.98, 0.4, 3).trust, Confidence::kHigh)
       << "they look elsewhere, and walls are alike";
   EXPECT_EQ(OfLasers(1648, 0.859, 3029, 0.994, 0.28, 0).trust, Confidence::kLow)
       << "half of what stands too far off is behind walls";
