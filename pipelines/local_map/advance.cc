@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pipelines/common/handed_over.h"
+#include "pipelines/local_map/path/pass_watch.h"
 #include "pipelines/local_map/path/scale_track.h"
 #include "pipelines/local_map/plan.h"
 #include "pipelines/local_map/result.h"
@@ -52,6 +53,10 @@ class Turn {
         LoadGraph();
         JoinPairs();
         break;
+      case Phase::kPasses:
+        LoadGraph();
+        KeepPasses();
+        break;
       case Phase::kFollow:
         KeepPositions();
     }
@@ -71,7 +76,10 @@ class Turn {
     return inputs_.Get(name);
   }
   void Enter(Phase phase, std::int64_t round = 0) {
-    PutScalars(Standing{phase, standing_.robots, round}, "", &state());
+    Standing standing = standing_;
+    standing.phase = phase;
+    standing.round = round;
+    PutScalars(standing, "", &state());
   }
 
   void Orient() {
@@ -324,12 +332,8 @@ class Turn {
       constraints.push_back(constraint);
       of.push_back(p);
     }
-    std::vector<Point> start;
-    for (const PathNode& node : nodes_) start.push_back(node.dead);
-    const OptimizedGraph optimized =
-        OptimizePoseGraph(start, odometry_edges_, constraints, options_.pose_graph);
-    for (std::size_t k = 0; k < nodes_.size(); ++k) nodes_[k].at = optimized.node[k];
-    Share(kPlaced, cairn::BlobOf(optimized.node));
+    Share(kConstraints, cairn::BlobOf(constraints));
+    const OptimizedGraph optimized = Place(constraints);
     ShowSoFar(fmt::format("round {} of loops", standing_.round));
     const auto used = std::ranges::count_if(optimized.weight, [](double w) { return w > 0; });
     std::vector<Loop> loops;
@@ -345,6 +349,15 @@ class Turn {
     PlanPairs(standing_.round + 1, std::move(loops));
     step_.plan.set_note(
         fmt::format("{} pairs, {} matched, {} followed", pairs.size(), constraints.size(), used));
+  }
+
+  // The nodes, by odometry and these.
+  OptimizedGraph Place(const std::vector<LoopConstraint>& constraints) {
+    const OptimizedGraph optimized = OptimizePoseGraph(cairn::ColumnOf(nodes_, &PathNode::dead),
+                                                       odometry_edges_, constraints, options_.pose_graph);
+    for (std::size_t k = 0; k < nodes_.size(); ++k) nodes_[k].at = optimized.node[k];
+    Share(kPlaced, cairn::BlobOf(optimized.node));
+    return optimized;
   }
 
   void Finish(std::vector<Loop> loops) {
@@ -373,7 +386,77 @@ class Turn {
     result.PutAll("snapshots/", *BlobOf(kSnapshots));
     Share(kResult, std::move(result));
     Share(kConnections, cairn::BlobOf(MakeConnections(parts)));
-    PlanFollowing();
+    PlanPasses();
+  }
+
+  void PlanPasses() {
+    if (standing_.lasers == 0) return PlanFollowing();
+    Enter(Phase::kPasses);
+    for (std::size_t r = 0; r < robots_; ++r) {
+      if (all_[r].scans.empty() || LasersIn(*inputs_.Get(RingsName(r))) == 0) continue;
+      Blob placed = *inputs_.Get(PathName(r));
+      PutRows("", all_[r].scans, &placed);
+      Share(PlacedName(r), std::move(placed));
+      AddScanTask("passes", {r, 0, 0, all_[r].scans.size()}, PlacedName(r), &step_.plan);
+    }
+    ExpectRest(options_, Scans(), 0, &step_.plan);
+  }
+
+  // Where the scans of many places contradict the path it is sought anew, from where they meet. It stays
+  // where fewer contradict it, and no fewer agree.
+  void KeepPasses() {
+    constexpr double kMany = 0.02;
+    constexpr std::int64_t kLeast = 20;
+    Blob result = *inputs_.Get(kResult);
+    std::int64_t all = 0;
+    std::vector<LoopConstraint> meet = TakePasses(&result, &all);
+    const auto doubled = static_cast<std::int64_t>(meet.size()), met = all - doubled;
+    const bool is_better = doubled * (standing_.met + standing_.doubled) < standing_.doubled * all;
+    if (standing_.mends > 0 && (!is_better || met < standing_.met)) {
+      Rename(kResultBefore, kResult);
+      Rename(kConnectionsBefore, kConnections);
+      return PlanFollowing();
+    }
+    Share(kResult, std::move(result));
+    const bool many = doubled >= kLeast && static_cast<double>(doubled) >= kMany * static_cast<double>(all);
+    if (!many || standing_.mends >= options_.loop_mends || options_.loop_rounds == 0) return PlanFollowing();
+    ++standing_.mends;
+    standing_.met = met;
+    standing_.doubled = doubled;
+    SeekAnew(std::move(meet));
+    step_.plan.set_note(fmt::format("{} of {} pairs of scans contradict the path", doubled, all));
+  }
+
+  // Puts them into the result, counts them, and returns where those that contradict the path would meet.
+  std::vector<LoopConstraint> TakePasses(Blob* result, std::int64_t* all) {
+    std::vector<LoopConstraint> meet;
+    for (std::size_t k = 0; k < partials_.size(); ++k) {
+      const BlobPtr partial = partials_.Get(k);
+      const std::size_t r = RobotOf(*partial, robots_);
+      const auto passes = RowsIn<Passing>(*partial, "passes/");
+      PutPasses("robot/" + std::to_string(r) + "/", passes, all_[r].scans, result);
+      *all += static_cast<std::int64_t>(passes.size());
+      for (const LoopConstraint& constraint : MakePassConstraints(passes, r, nodes_))
+        meet.push_back(constraint);
+    }
+    return meet;
+  }
+
+  // By the last round's loops and these; then the last two rounds once more.
+  void SeekAnew(std::vector<LoopConstraint> meet) {
+    Rename(kResult, kResultBefore);
+    Rename(kConnections, kConnectionsBefore);
+    if (state().blobs().contains(kConstraints))
+      for (const LoopConstraint& constraint : RowsIn<LoopConstraint>(*inputs_.Get(kConstraints)))
+        meet.push_back(constraint);
+    Place(meet);
+    PlanPairs(std::max(std::int64_t{1}, options_.loop_rounds - 1), {});
+  }
+
+  void Rename(const std::string& from, const std::string& to) {
+    auto& blobs = *state().mutable_blobs();
+    const std::string hash = blobs.at(from);
+    blobs[to] = hash;
   }
 
   void PlanFollowing() {

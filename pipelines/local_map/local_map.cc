@@ -17,6 +17,7 @@
 #include "pipelines/local_map/size.h"
 #include "pipelines/local_map/tasks/follow_task.h"
 #include "pipelines/local_map/tasks/orientation_task.h"
+#include "pipelines/local_map/tasks/pass_task.h"
 #include "pipelines/local_map/tasks/scan_reader.h"
 #include "schema/error.h"
 #include "schema/kinds/local_map.h"
@@ -74,17 +75,20 @@ Step LocalMap::Start(const Inputs& inputs) const {
   for (const RobotRuns& robot : robots) RequireFewBeams(scans, robot);
   Step step;
   State& state = *step.plan.mutable_state();
-  PutScalars(Standing{.robots = static_cast<std::int64_t>(robots.size())}, "", &state);
+  Standing standing{.robots = static_cast<std::int64_t>(robots.size())};
   const Size size = ChooseSize(options_, scans, robots);
   PutScalars(size, "", &state);
   auto& blobs = *state.mutable_blobs();
   blobs[kLogInput] = log->ContentHash().Binary();
   for (std::size_t r = 0; r < robots.size(); ++r) {
-    blobs[RingsName(r)] = step.Share(RingsBlob(scans, robots[r].sensors));
+    const Blob rings = RingsBlob(scans, robots[r].sensors);
+    standing.lasers += LasersIn(rings) > 0;
+    blobs[RingsName(r)] = step.Share(rings);
     blobs[RowsName(r)] = step.Share(RowsOf(robots[r]));
     blobs[CutsName(r)] = step.Share(CutsBlob(robots[r].cuts));
     PlanWalls(r, robots[r].scans, options_, &step.plan);
   }
+  PutScalars(standing, "", &state);
   double scan_count = 0;
   for (const RobotRuns& runs : robots) scan_count += static_cast<double>(runs.scans.size());
   ExpectRest(options_, scan_count, -1, &step.plan);
@@ -176,7 +180,7 @@ Blob CompareAll(const Inputs& inputs, ScanReader* scans, Progress& progress) {
 }  // namespace
 
 Blob LocalMap::Run(const Task& task, const Inputs& inputs, Progress& progress) const {
-  RequireKind(task, {"pairs", "walls", "traces", "lasers", "follow"});
+  RequireKind(task, {"pairs", "walls", "traces", "lasers", "passes", "follow"});
   const Options options = Sized(options_, SizeOf(task));
   if (task.kind() == "pairs") return MatchPairs(inputs, options, progress);
   ScanReader scans(*inputs.Get("log"), *inputs.Get("rings"), *inputs.Get("rows"), options.ring_beams);
@@ -193,6 +197,10 @@ Blob LocalMap::Run(const Task& task, const Inputs& inputs, Progress& progress) c
     partial = RecordTraces(task, inputs, options.grid, &scans, progress, options.record);
   } else if (task.kind() == "lasers") {
     partial = CompareAll(inputs, &scans, progress);
+  } else if (task.kind() == "passes") {
+    const std::vector<Scan> rows = RowsIn<Scan>(*inputs.Get("rows"));
+    RequireSize("rows", rows.size(), scans.size());
+    partial.PutAll("passes/", WatchPasses(scans, rows, progress));
   } else {
     partial = FollowAll(task, inputs, options, &scans, progress);
   }

@@ -25,7 +25,7 @@ struct Options {
   RecordOptions record;
   NodeOptions nodes;
   PairOptions pairs;
-  std::int64_t loop_rounds = 3;
+  std::int64_t loop_rounds = 3, loop_mends = 3;
   LocalizerOptions localizer;
   PoseGraphOptions pose_graph;
   std::int64_t segment_scans = 500;
@@ -65,6 +65,10 @@ void VisitOptions(V& visit, Options& o) {
         o.nodes.across_sd);
   visit(Option{"loop_rounds", "", 0, 20, "rounds of matching, each around the path that the one before gave"},
         o.loop_rounds);
+  visit(
+      Option{"loop_mends", "", 0, 20,
+             "how often the path is sought anew where a laser's scans of many places contradict it, at most"},
+      o.loop_mends);
   visit(Option{"loop_m", "m", 0.5, 1e6, "travelled between two places that are matched, at least"},
         o.pairs.loop_m);
   visit(Option{"loop_aside_m", "m", 0, 10, "to the side of a trace's way that a place may be, to be matched"},

@@ -57,7 +57,7 @@ constexpr double kTrackUs = 60, kPlanUs = 15, kJoinUs = 10, kKeepUs = 1, kUsualP
 
 double ScanUs(std::string_view kind, const Size& size) {
   if (kind == "walls") return 12;
-  if (kind == "lasers") return 100;
+  if (kind == "lasers" || kind == "passes") return 100;
   return kind == "traces" ? 50 * size.cells() : 300 * size.finer() * size.finer();
 }
 
@@ -66,7 +66,8 @@ double PairUs(std::int64_t round, const Size& size) {
 }
 
 void ExpectRest(const Options& options, double scans, double pairs, proto::Step* plan) {
-  const auto [phase, robots, round] = ScalarsIn<Standing>(plan->state());
+  const auto standing = ScalarsIn<Standing>(plan->state());
+  const Phase phase = standing.phase;
   const auto size = ScalarsIn<Size>(plan->state());
   const double walls = scans * ScanUs("walls", size), traces = scans * ScanUs("traces", size),
                follow = scans * ScanUs("follow", size);
@@ -79,9 +80,14 @@ void ExpectRest(const Options& options, double scans, double pairs, proto::Step*
   if (is_walls) ExpectRounds(1, traces + scans * kPlanUs, 0, plan);
   if (phase == Phase::kFollow) return;
   const double of_round = pairs < 0 ? kUsualPairs * scans : pairs;
-  for (std::int64_t next = phase == Phase::kPairs ? round + 1 : 1; next <= options.loop_rounds; ++next)
+  const std::int64_t first = phase == Phase::kPasses  ? options.loop_rounds + 1
+                             : phase == Phase::kPairs ? standing.round + 1
+                                                      : 1;
+  for (std::int64_t next = first; next <= options.loop_rounds; ++next)
     ExpectRounds(1, of_round * PairUs(next, size) + scans * kJoinUs, 0, plan);
-  ExpectRounds(1, follow, static_cast<double>(robots), plan);
+  if (phase != Phase::kPasses && standing.lasers > 0)
+    ExpectRounds(1, scans * ScanUs("passes", size), static_cast<double>(standing.lasers), plan);
+  ExpectRounds(1, follow, static_cast<double>(standing.robots), plan);
 }
 
 }  // namespace cairn::local_map

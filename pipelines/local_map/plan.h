@@ -25,9 +25,12 @@ inline std::string NodesName(std::size_t r) { return "nodes " + std::to_string(r
 inline std::string MotionName(std::size_t r) { return "motion " + std::to_string(r); }
 inline std::string MetreName(std::size_t r) { return "metre " + std::to_string(r); }  // path/scale_track.h
 inline std::string CutsName(std::size_t r) { return "cuts " + std::to_string(r); }
+inline std::string PlacedName(std::size_t r) { return "placed " + std::to_string(r); }  // RowsOf, optimized
 inline constexpr char kLogInput[] = "log";
 inline constexpr char kTraces[] = "traces", kSurroundings[] = "surroundings", kPairs[] = "pairs";
 inline constexpr char kPlaced[] = "placed", kSnapshots[] = "snapshots";
+inline constexpr char kConstraints[] = "constraints";  // of the last round
+inline constexpr char kResultBefore[] = "result before", kConnectionsBefore[] = "connections before";
 inline constexpr char kConnections[] = "connections", kResult[] = "result";
 
 // A stretch of scans that one task goes through, those before `own` to warm up.

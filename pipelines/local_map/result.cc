@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "pipelines/common/handed_over.h"
 #include "schema/kinds/local_map.h"
 
 namespace cairn::local_map {
@@ -161,6 +162,27 @@ void PutPath(const std::string& prefix, const std::vector<Scan>& scans, const Bl
   }
   robot.walls.angle_rad = angle;
   PutFields(prefix, robot, result);
+}
+
+void PutPasses(const std::string& prefix, const std::vector<Passing>& passes, const std::vector<Scan>& scans,
+               Blob* result) {
+  const auto last = static_cast<std::int64_t>(scans.size()) - 1;
+  kinds::LocalMap::Passes rows;
+  const auto time_s = [&](std::int64_t scan) {
+    RequireWithin("a pass's scan", scan, std::int64_t{0}, last);
+    return scans[static_cast<std::size_t>(scan)].time_s;
+  };
+  for (const Passing& passing : passes) {
+    RequireWithin("a pass's share", passing.through, 0.0, 1.0);
+    RequireWithin("how far off a pass is", std::hypot(passing.off.x_m, passing.off.y_m), 0.0, kFarthest_m);
+  }
+  rows.from_s = cairn::ColumnOf(passes, [&](const Passing& passing) { return time_s(passing.from); });
+  rows.to_s = cairn::ColumnOf(passes, [&](const Passing& passing) { return time_s(passing.to); });
+  rows.through = cairn::ColumnOf(passes, &Passing::through);
+  rows.doubled = cairn::ColumnOf(passes, [](const Passing& p) { return std::uint8_t{p.doubled}; });
+  rows.off_x_m = cairn::ColumnOf(passes, [](const Passing& p) { return p.off.x_m; });
+  rows.off_y_m = cairn::ColumnOf(passes, [](const Passing& p) { return p.off.y_m; });
+  PutFields(prefix + "passes/", rows, result);
 }
 
 void PutTraces(const Parts& parts, Blob* result) {

@@ -69,6 +69,19 @@ struct LocalMap {
       field({"moved_rad", "L", NotNegative()}, &Lasers::moved_rad);
     }
   };
+  // Scans of places that were passed more than once.
+  struct Passes {
+    Column<double> from_s, to_s, through, off_x_m, off_y_m;
+    Column<std::uint8_t> doubled;
+    static void Fields(const auto& field) {
+      field({"from_s", "V", Finite()}, &Passes::from_s);
+      field({"to_s", "V", Finite()}, &Passes::to_s);
+      field({"through", "V", Share()}, &Passes::through);
+      field({"doubled", "V", YesNo()}, &Passes::doubled);
+      field({"off_x_m", "V", Finite()}, &Passes::off_x_m);
+      field({"off_y_m", "V", Finite()}, &Passes::off_y_m);
+    }
+  };
   struct Positions {
     Column<double> time_s, z_m, u_m, range_z_m, range_u_m;
     Column<std::int32_t> trace;
@@ -90,6 +103,7 @@ struct LocalMap {
     Metre metre;
     Fit fit;
     Lasers lasers;
+    Passes passes;
     Positions positions;
     static void Fields(const auto& field) {
       field({"poses", "S"}, &Robot::poses);
@@ -98,6 +112,7 @@ struct LocalMap {
       field("metre", &Robot::metre);
       field("fit", &Robot::fit);
       field("lasers", &Robot::lasers);
+      field("passes", &Robot::passes);
       field("positions", &Robot::positions);
     }
   };

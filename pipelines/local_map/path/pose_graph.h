@@ -24,6 +24,15 @@ struct LoopConstraint {
   double axis_rad = 0;            // of the z axis
   double sd_z_m = 0, sd_u_m = 0;  // along it and to its left; infinite: not known
   double quality = 1;
+  static void Fields(const auto& field) {
+    field("from", &LoopConstraint::from);
+    field("to", &LoopConstraint::to);
+    field("offset", &LoopConstraint::offset);
+    field("axis_rad", &LoopConstraint::axis_rad);
+    field("sd_z_m", &LoopConstraint::sd_z_m);
+    field("sd_u_m", &LoopConstraint::sd_u_m);
+    field("quality", &LoopConstraint::quality);
+  }
 };
 
 struct PoseGraphOptions {

@@ -12,15 +12,9 @@ namespace cairn::local_map {
 namespace {
 
 constexpr std::size_t kHits = 60;                   // of a scan that are compared
-constexpr std::size_t kDirections = 720;            // half degrees
 constexpr double kNear_m = 0.1, kNearRatio = 0.01;  // how far from what the first saw, and a metre of range
 constexpr double kCoarse_m = 0.15;                  // further in a search whose steps are coarse
 constexpr double kOneWall_m = 0.3, kOneWallRatio = 0.05;  // two neighbouring hits that close are of one wall
-
-std::size_t DirectionOf(double angle_rad) {
-  const double turns = angle_rad / (2 * std::numbers::pi) + 0.5;
-  return std::min(kDirections - 1, static_cast<std::size_t>(turns * kDirections));
-}
 
 double Distance2(const Point& p, const Point& a, const Point& b) {
   const double dx = b.x_m - a.x_m, dy = b.y_m - a.y_m, length2 = dx * dx + dy * dy;
@@ -86,6 +80,11 @@ ScanMotion BestAround(const LaserView& from, const LaserView& to, const Pose& mi
 constexpr double kDegree = std::numbers::pi / 180;
 
 }  // namespace
+
+std::size_t DirectionOf(double angle_rad) {
+  const double turns = angle_rad / (2 * std::numbers::pi) + 0.5;
+  return std::min(kDirections - 1, static_cast<std::size_t>(turns * kDirections));
+}
 
 LaserFan::LaserFan(std::vector<Pose> beams, double max_range_m)
     : beams_(std::move(beams)), max_range_m_(max_range_m), beam_at_(kDirections, -1) {

@@ -1,6 +1,7 @@
 // How a robot moved between two scans of its laser, as the walls that both show say: they stand still.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -9,6 +10,9 @@
 #include "schema/geometry.h"
 
 namespace cairn::local_map {
+
+inline constexpr std::size_t kDirections = 720;  // half degrees, from -pi on
+std::size_t DirectionOf(double angle_rad);       // of an angle in [-pi, pi]
 
 // What one scan of a laser showed, in the robot's frame.
 struct LaserView {

@@ -1,0 +1,90 @@
+#include "pipelines/local_map/path/pass_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipelines/local_map/testing/corridor.h"
+#include "schema/error.h"
+
+namespace cairn::local_map {
+namespace {
+
+struct Ticks : Progress {
+  void Tick() override {}
+};
+
+// Twice along the corridor, 5 m each; the path has the second pass `off`, and somebody may have put a box of
+// 1.2 m into the corridor meanwhile.
+std::vector<Passing> TwoPasses(const Point& off, bool box = false) {
+  constexpr int kScans = 50;
+  Rng rng(5);
+  PassWatch watch({LaserBeams(), 0, 10});
+  std::vector<TestWall> walls = NichedCorridor();
+  for (int k = 0; k < 2 * kScans; ++k) {
+    if (k == kScans && box)
+      for (const TestWall& wall : TestBox(0.8, 1.4, {1.9, 0.4, 0})) walls.push_back(wall);
+    const Pose robot{-4 + 0.1 * (k % kScans), -0.2, 0};
+    const std::vector<double> ranges = LaserScan(walls, robot, rng);
+    const Pose on_path = k < kScans ? robot : Pose{robot.x_m + off.x_m, robot.y_m + off.y_m, 0};
+    watch.Add(k, on_path, 0.1 * k + (k < kScans ? 0 : 10), {.time_s = 0, .turret_rad = 0, .range_m = ranges});
+  }
+  Ticks ticks;
+  return watch.Compare(ticks);
+}
+
+double ShareDoubled(const std::vector<Passing>& passes) {
+  const auto doubled = std::ranges::count_if(passes, &Passing::doubled);
+  return static_cast<double>(doubled) / static_cast<double>(passes.size());
+}
+
+TEST(PassWatch, TwoPassesThatThePathHasWhereTheyWereMeet) {
+  const std::vector<Passing> passes = TwoPasses({});
+  EXPECT_GE(passes.size(), 18U);
+  EXPECT_EQ(ShareDoubled(passes), 0);
+  for (const Passing& passing : passes) EXPECT_LT(passing.through, 0.05);
+}
+
+TEST(PassWatch, ACorridorThatIsDrawnTwiceIsSeenAndByHowMuch) {
+  for (const Point& off : {Point{0, 1.5}, Point{0, -1.2}, Point{0.9, 1.2}}) {
+    const std::vector<Passing> passes = TwoPasses(off);
+    ASSERT_GE(passes.size(), 10U);
+    EXPECT_GT(ShareDoubled(passes), 0.7);
+    for (const Passing& passing : passes) {
+      if (!passing.doubled) continue;
+      const double back = passing.from < passing.to ? -1 : 1;
+      EXPECT_NEAR(passing.off.y_m, back * off.y_m, 0.35);
+    }
+  }
+}
+
+// No other place would be better: nothing is drawn twice.
+TEST(PassWatch, WhatWasMovedMeanwhileIsNotDrawnTwice) {
+  const std::vector<Passing> passes = TwoPasses({}, true);
+  double most = 0;
+  for (const Passing& passing : passes) most = std::max(most, passing.through);
+  EXPECT_GT(most, 0.25);
+  EXPECT_EQ(ShareDoubled(passes), 0);
+}
+
+TEST(PassWatch, ALoopConstraintPutsTheSecondPassWhereItMeetsTheFirst) {
+  const std::vector<PathNode> nodes{{.robot = 0, .scan = 0, .path_m = 0, .dead = {}, .at = {9, 9}},
+                                    {.robot = 1, .scan = 0, .path_m = 0, .dead = {}, .at = {1, 0}},
+                                    {.robot = 1, .scan = 10, .path_m = 5, .dead = {}, .at = {4, 2}}};
+  const std::vector<LoopConstraint> made =
+      MakePassConstraints({{.from = 3, .to = 12, .through = 0.5, .doubled = true, .off = {-0.5, 1}},
+                           {.from = 3, .to = 12, .through = 0, .doubled = false, .off = {}}},
+                          1, nodes);
+  ASSERT_EQ(made.size(), 1U);
+  EXPECT_EQ(made[0].from, 1);
+  EXPECT_EQ(made[0].to, 2);
+  EXPECT_EQ(made[0].offset.x_m, 2.5);
+  EXPECT_EQ(made[0].offset.y_m, 3);
+  EXPECT_THROW(
+      MakePassConstraints({{.from = 3, .to = 12, .through = 1, .doubled = true, .off = {}}}, 2, nodes),
+      InputError);
+}
+
+}  // namespace
+}  // namespace cairn::local_map
