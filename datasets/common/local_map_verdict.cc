@@ -444,6 +444,64 @@ void JudgeLasers(const kinds::LocalMap& map, Verdict* verdict) {
   }
 }
 
+// Scans of different passes of a place of which one hit what the other looked through, and that meet when one
+// of them lies elsewhere.
+struct Doubled {
+  std::size_t passes = 0, doubled = 0;
+  double apart_m = 0;  // nine tenths of them by no more
+  Point around;        // where most of them are
+  double Share() const { return passes > 0 ? static_cast<double>(doubled) / static_cast<double>(passes) : 0; }
+};
+
+Doubled FindDoubled(const kinds::LocalMap::Robot& robot) {
+  constexpr double kMost = 0.9, kAround_m = 3;
+  Doubled all;
+  all.passes = robot.passes.doubled.OrNone().size();
+  std::vector<double> apart_m;
+  std::vector<Point> at;
+  const auto time_s = robot.poses.time_s.OrNone();
+  for (std::size_t i = 0; i < all.passes; ++i) {
+    if (robot.passes.doubled[i] == 0) continue;
+    apart_m.push_back(std::hypot(robot.passes.off_x_m[i], robot.passes.off_y_m[i]));
+    const auto scan =
+        static_cast<std::size_t>(std::ranges::lower_bound(time_s, robot.passes.from_s[i]) - time_s.begin());
+    if (scan < time_s.size()) at.push_back({robot.poses.x_m[scan], robot.poses.y_m[scan]});
+  }
+  all.doubled = apart_m.size();
+  if (all.doubled == 0) return all;
+  std::ranges::sort(apart_m);
+  all.apart_m = apart_m[static_cast<std::size_t>(kMost * static_cast<double>(all.doubled - 1))];
+  std::ptrdiff_t most = 0;
+  for (const Point& p : at) {
+    const std::ptrdiff_t near = std::ranges::count_if(
+        at, [&](const Point& q) { return std::hypot(q.x_m - p.x_m, q.y_m - p.y_m) < kAround_m; });
+    if (near <= most) continue;
+    most = near;
+    all.around = p;
+  }
+  return all;
+}
+
+// Where a loop is closed wrongly, or missed, all others may close: but walls are there twice.
+void JudgePasses(const kinds::LocalMap& map, Verdict* verdict) {
+  constexpr double kLow = 0.14, kFair = 0.07;
+  constexpr std::size_t kLeast = 20;  // so few are chance
+  for (const kinds::LocalMap::Robot& robot : map.robot) {
+    const Doubled doubled = FindDoubled(robot);
+    if (doubled.passes == 0) continue;
+    verdict->AddCount("passes", doubled.passes);
+    verdict->AddCount("passes_doubled", doubled.doubled);
+    if (doubled.doubled < kLeast || doubled.Share() < kFair) continue;
+    const bool many = doubled.Share() >= kLow;
+    verdict->Add(
+        {many ? Confidence::kLow : Confidence::kFair,
+         fmt::format("{} drawn twice, up to {:.1f} m apart, most around x {:.0f}, y {:.0f} m: {:.0f}% "
+                     "of the scans see through walls that those of another pass hit there",
+                     many ? "the same places are" : "some places are", doubled.apart_m, doubled.around.x_m,
+                     doubled.around.y_m, 100 * doubled.Share())});
+  }
+}
+
 // Without a loop a path that contradicts odometry has nothing for it.
 void JudgeUnlooped(const kinds::LocalMap& map, Verdict* verdict) {
   constexpr double kMuch_rad = std::numbers::pi / 2;
@@ -492,6 +550,7 @@ Verdict LocalMapVerdict(const Blob& result) {
   JudgeBlindWays(result, map, &verdict);
   JudgeScans(map, &verdict);
   JudgeLasers(map, &verdict);
+  JudgePasses(map, &verdict);
   return verdict;
 }
 

@@ -175,6 +175,38 @@ TEST(LocalMapVerdict, ALongWayAlongWhichNoLoopTellsIsNotTrusted) {
       << verdict_of(9).why;
 }
 
+// Of a hundred passes so many are of a corridor that is drawn 2 m aside, about x 30.
+TEST(LocalMapVerdict, PlacesThatAreDrawnTwiceAreNamedAndNotTrusted) {
+  const auto verdict_of = [](std::size_t doubled, std::size_t passes = 100) {
+    auto map = Read<kinds::LocalMap>(LocalMapOf(Loops(100, 1, 50)));
+    map.robot.resize(1);
+    std::vector<double> time_s, x_m, from_s(passes, 20), to_s(passes, 40), through(passes, 0.1),
+        none(passes, 0);
+    for (int k = 0; k <= 50; ++k) {
+      time_s.push_back(k);
+      x_m.push_back(k);
+    }
+    map.robot[0].poses = {time_s, x_m, std::vector<double>(51, 0), std::vector<double>(51, 0)};
+    std::vector<std::uint8_t> is(passes, 0);
+    std::vector<double> off_y_m = none;
+    for (std::size_t k = 0; k < doubled; ++k) {
+      is[k] = 1;
+      off_y_m[k] = k % 2 == 0 ? 2 : -2;
+      from_s[k] = k == 0 ? 5 : 30;
+    }
+    map.robot[0].passes = {from_s, to_s, through, none, off_y_m, is};
+    return LocalMapVerdict(BlobOf(map));
+  };
+  EXPECT_EQ(verdict_of(0).trust, Confidence::kHigh);
+  EXPECT_EQ(verdict_of(6).trust, Confidence::kHigh);
+  EXPECT_EQ(verdict_of(19, 60).trust, Confidence::kHigh) << "so few are chance";
+  EXPECT_EQ(verdict_of(24, 240).trust, Confidence::kFair);
+  EXPECT_NE(verdict_of(24, 240).why.find("some places are drawn twice"), std::string::npos);
+  EXPECT_EQ(verdict_of(25).Text(),
+            "low: the path closes all of 100 loops; the same places are drawn twice, up to 2.0 m apart, most "
+            "around x 30, y 0 m: 25% of the scans see through walls that those of another pass hit there");
+}
+
 // A hall's walls are further away than the local grids reach.
 TEST(LocalMapVerdict, AWayWithoutAWallInTheGridsIsNotTrustedAndTheRemedyNamed) {
   const auto verdict_of = [](double blind_m) {
