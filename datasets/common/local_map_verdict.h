@@ -17,7 +17,7 @@ namespace cairn::datasets {
 // odometry would have to drift by a quarter turn or more. Low where scans show another motion than the path
 // has or a hole in the log hides one; fair at most where the path took a turn from the scans that odometry
 // missed. Low where two lasers of a robot see walls in different places.
-// missed. Low where scans of places that were passed more than once say that they are drawn twice: of a
+// Low where scans of places that were passed more than once say that they are drawn twice: of a
 // seventh of the passes, fair at most from half of that on.
 Verdict LocalMapVerdict(const Blob& result);
 
