@@ -36,8 +36,10 @@ least() { printf '%s\n' "$@" | sort -g | head -1; }
 declare -A short long step
 for turn in 1 2 3; do  # the quickest of three: the machine may have other work
   for workers in 1 2; do
-    short[$workers]=$(least ${short[$workers]:-} "$(seconds 2 "$workers")")
-    long[$workers]=$(least ${long[$workers]:-} "$(seconds $((2 + steps)) "$workers")")
+    few_s=$(seconds 2 "$workers") # not in an argument, in which a failure would be lost
+    many_s=$(seconds $((2 + steps)) "$workers")
+    short[$workers]=$(least ${short[$workers]:-} "$few_s")
+    long[$workers]=$(least ${long[$workers]:-} "$many_s")
   done
 done
 for workers in 1 2; do

@@ -3,12 +3,16 @@
 # largest resident set of its only worker. estimates.sh [NAME LOG.h5 KEY=VALUE…]: that job, else some of its own (three
 # where CAIRN_DATA names a folder that holds mrclam6 and victoria-park). CAIRN_BIN: the folder of the programs.
 set -euo pipefail
+# shellcheck source-path=SCRIPTDIR
+source "$(dirname "$0")/../studies/common.sh"
 PATH=${CAIRN_BIN:-$(cd "$(dirname "$0")/../.." && pwd)/build/release/bin}:$PATH
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 
-expected() { tr -d ' \n' <plan.json | grep -oE '"expected":\{[^}]*\}' | grep -oE "\"$1\":[0-9.eE+-]+" | cut -d: -f2; }
+expected() {  # KEY: of plan.json
+  figure "the plan's $1" "$(tr -d ' \n' <plan.json | grep -oE '"expected":\{[^}]*\}' | grep -oE "\"$1\":[0-9.eE+-]+" | cut -d: -f2)"
+}
 
 # measure NAME LOG KEY=VALUE…
 measure() {
@@ -17,7 +21,7 @@ measure() {
   for pair in "$@"; do settings+=(--set "$pair"); done
   cairn run landmark_map "$log" "${settings[@]}" --dry-run --json >plan.json
   cairn run landmark_map "$log" "${settings[@]}" --workers 1 --out "$name" >/dev/null 2>&1 &
-  local run=$! worker ticks=0 resident=0 store=0 now
+  local run=$! worker ticks=0 resident=0 store=0 now seconds memory_mb store_mb
   while kill -0 "$run" 2>/dev/null; do  # the worker is gone with the run, so look at it often
     worker=$(pgrep -P "$run" -f cairn-worker | head -n 1 || true)  # not a child that reads a file
     [ -n "$worker" ] || continue
@@ -29,8 +33,9 @@ measure() {
     [ "${now:-0}" -le "$store" ] || store=$now
   done
   wait "$run"
-  awk -v name="$name" -v s="$(expected seconds)" -v m="$(expected memory_mb)" -v t="$ticks" -v hz="$(getconf CLK_TCK)" \
-    -v r="$resident" -v d="$store" -v e="$(expected store_mb)" 'BEGIN {
+  seconds=$(expected seconds) memory_mb=$(expected memory_mb) store_mb=$(expected store_mb)
+  awk -v name="$name" -v s="$seconds" -v m="$memory_mb" -v t="$ticks" -v hz="$(getconf CLK_TCK)" \
+    -v r="$resident" -v d="$store" -v e="$store_mb" 'BEGIN {
     cpu = t / hz; mb = r * 1.024e-3; disk = d * 1.024e-3
     printf "%-16s seconds: expected %6.2f, used %6.2f (x%.2f)   MB: expected %5.0f, used %5.0f (x%.2f)   ",
       name, s, cpu, cpu / s, m, mb, mb / m

@@ -6,6 +6,8 @@
 #   tests/bench/evidence_workers.sh LOG.log.gz [TIMES [CELL_M]]      # of CARMEN, corrected; 100 0.05
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+# shellcheck source-path=SCRIPTDIR
+source tests/studies/common.sh
 log=$1 times=${2:-100} cell=${3:-0.05}
 cairn=build/release/bin/cairn
 folder=$(mktemp -d)
@@ -20,8 +22,10 @@ for turn in 1 2 3 4 5; do  # the quickest: the machine may have other work
   for workers in 1 2; do
     "$cairn" run evidence_map "$folder/long.h5" --set cell_m="$cell" --out "$folder/out$workers" --force --workers "$workers" > "$folder/log" 2>&1
     facts=$("$cairn" inspect "$folder/out$workers/evidence_map.h5")
-    job[$workers]=$(least ${job[$workers]:-} "$(awk '$1 == "provenance/seconds_s" { print $NF }' <<< "$facts")")
-    round[$workers]=$(least ${round[$workers]:-} "$(awk '$1 == "provenance/round/seconds_s" { print $NF }' <<< "$facts")")
+    job_s=$(figure "the job's seconds" "$(awk '$1 == "provenance/seconds_s" { print $NF }' <<< "$facts")")
+    round_s=$(figure "the round's seconds" "$(awk '$1 == "provenance/round/seconds_s" { print $NF }' <<< "$facts")")
+    job[$workers]=$(least ${job[$workers]:-} "$job_s")
+    round[$workers]=$(least ${round[$workers]:-} "$round_s")
   done
 done
 "$cairn" diff "$folder/out1" "$folder/out2"

@@ -11,6 +11,8 @@
 # BIN: the programs, build/release/bin without it.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+# shellcheck source-path=SCRIPTDIR
+source tests/studies/common.sh
 log=$(realpath "$1") times=${2:-100} turns=${3:-5}
 repeat=$PWD/build/release/tests/bench/repeat_log
 PATH=$(realpath "${BIN:-build/release/bin}"):$PATH
@@ -38,12 +40,12 @@ awaits() {
   return 1
 }
 # metric PAGE NAME: of a coordinator.
-metric() { curl -s "$1" | awk -v name="$2" '$1 == name { print $2 }'; }
+metric() { figure "$2" "$(curl -s "$1" | awk -v name="$2" '$1 == name { print $2 }')"; }
 # processor_s PROCESS…: their processor time.
 processor_s() { for process in "$@"; do cat "/proc/$process/stat"; done | awk '{s += $14 + $15} END {print s / '"$(getconf CLK_TCK)"'}'; }
 
-# figure NAME FILE: the last number of an array of one dimension.
-figure() { cairn inspect "$2" | awk -v name="$1" '$1 == name { print $NF }'; }
+# last NAME FILE: the last number of an array of one dimension.
+last() { figure "$1" "$(cairn inspect "$2" | awk -v name="$1" '$1 == name { print $NF }')"; }
 # job NAME WORKERS [OPTION…]: runs the job with so many workers, in a folder of that name. Its `figures` are the seconds
 # of the last round and of the job, the logs sent, and the processor time of coordinator and workers. Where there is a
 # pipe `go`, its workers start as somebody opens that for writing.
@@ -73,11 +75,13 @@ job() (
   served=$(awk -v a="$(processor_s "$coordinator")" -v b="$since" 'BEGIN {print a - b}')
   worked=$(processor_s "${running[@]}")
   sleep 2 # the metrics are of a second ago
-  logs=$(awk -v a="$(metric "$page" cairn_sent_bytes_total)" -v b="$before" -v bytes="$bytes" \
+  after=$(metric "$page" cairn_sent_bytes_total)
+  logs=$(awk -v a="$after" -v b="$before" -v bytes="$bytes" \
     'BEGIN { printf "%.2f", (a - b) / bytes }')
   cairn results "$id" --out out --connect "$hub" >/dev/null 2>&1
-  echo "$(figure provenance/round/seconds_s out/evidence_map.h5) $(figure provenance/seconds_s out/evidence_map.h5)" \
-    "$logs $served $worked" >figures
+  round_s=$(last provenance/round/seconds_s out/evidence_map.h5)
+  job_s=$(last provenance/seconds_s out/evidence_map.h5)
+  echo "$round_s $job_s $logs $served $worked" >figures
 )
 # say TURN NAME WHAT
 say() {

@@ -31,7 +31,7 @@ for run in 1 2 3 4 5; do
   end_ns=$(date +%s%N)
   kill -9 "$worker"
   wait "$worker" 2>/dev/null || true
-  unfinished=$(cairn list | grep -cE ' (queued|running) ')
+  unfinished=$(cairn list | grep -cE ' (queued|running) ') || { echo "no job is unfinished" >&2; exit 1; }
   echo "run $run: $(((end_ns - start_ns) / 1000000)) ms to the first task out, $unfinished jobs unfinished, store" \
     "$(du -sk home/store | cut -f1) kB"
 done

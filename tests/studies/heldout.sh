@@ -3,11 +3,13 @@
 # out in ten blocks of time, under the maps of evidence_map and of forward_map, both as by default and both scored by
 # the same forward model, fitted to each on the other nine tenths (`cairn evaluate`). Needs CAIRN_DATA.
 #
-#   tests/studies/heldout.sh [NAME...]      # logs by name; without one, all
+#   tests/studies/heldout.sh [NAME...]      # logs by name; without one, all. CAIRN_BIN: the folder of the programs
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+# shellcheck source-path=SCRIPTDIR
+source tests/studies/common.sh
 data=${CAIRN_DATA:?names no folder: where are the recorded logs?}
-cairn=$PWD/build/release/bin/cairn
+cairn=$(realpath "${CAIRN_BIN:-build/release/bin}")/cairn
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
@@ -36,6 +38,7 @@ for name in "${names[@]}"; do
       > run.txt 2>&1 || { cat run.txt >&2; exit 1; }
     score=$("$cairn" evaluate "$name-$pipeline" --truth log.h5 |
       awk '$1 == "heldout.log_likelihood_per_reading" { print $2 }')
+    score=$(figure "log-likelihood a reading of $pipeline on $name" "$score")
     line+=$(printf ' %12s' "$score")
   done
   printf '%-16s%s\n' "$name" "$line"

@@ -7,7 +7,7 @@
 set -euo pipefail
 [ -d "${CAIRN_DATA:-}/sussex-route" ] || { echo "CAIRN_DATA names no folder that holds sussex-route" >&2; exit 2; }
 here=$(cd "$(dirname "$0")/../.." && pwd)
-PATH=$here/build/release/bin:$PATH
+PATH=$(realpath "${CAIRN_BIN:-$here/build/release/bin}"):$PATH
 seeds=${1:-10}
 shift || true
 options=()
@@ -22,19 +22,12 @@ python3 "$here/docs/sussex_tables.py" "$CAIRN_DATA/sussex-route" track.csv times
 cairn import images "$CAIRN_DATA/sussex-route" track.csv images.h5 --times times.csv --smooth-s 1 --skip-bad >log 2>&1
 cairn run image_features images.h5 --out route >log 2>&1
 
-reduction() {  # of window $1 (-1: none), in percent
-  python3 -c '
-import json, sys
-window = float(sys.argv[1])
-for w in json.load(sys.stdin)["windows"]:
-    if w["window_m"] == (None if window < 0 else window): print("%.1f" % (100 * w["error_reduction"]))' "$1"
-}
 row() {  # networks, window_m of training, window to score, name, ceiling
   [[ "$1 $2" =~ ^(${ROWS:-.*})$ ]] || return 0
   for seed in $(seq "$seeds"); do
     cairn run landmark_learning route/image_features.h5 --out learned --force --seed "$seed" --set unseen=infomax_binary \
       --set networks="$1" --set window_m="$2" "${options[@]}" >log 2>&1 || { cat log >&2; exit 1; }
-    cairn evaluate learned --truth route/image_features.h5 --json | reduction "$3"
+    cairn evaluate learned --truth route/image_features.h5 --json | "$here/tests/studies/error_reduction.py" "$3"
   done | sort -n | awk -v seeds="$seeds" -v n="$1" -v name="$4" -v ceiling="$5" '
     {v[NR] = $1}
     END {
@@ -48,6 +41,6 @@ echo "| --- | --- | --- | --- | --- |"
 row 1 2 2 "+-2 m" 30
 row 2 2 2 "+-2 m" 53
 row 4 2 2 "+-2 m" 59
-row 1 0 -1 "none" 49
-row 2 0 -1 "none" 71
-row 4 0 -1 "none" 83
+row 1 0 none "none" 49
+row 2 0 none "none" 71
+row 4 0 none "none" 83
