@@ -2,11 +2,10 @@
 # A simulated corridor driven one way against both ways: error reduction within +-2 m, and the way after which a robot that
 # knew nothing is found to within 1 m. Three runs of each way are trained on, one of each is scored on and localised in;
 # seeds are corridors. Means over the seeds with their 95% intervals.
-#   tests/studies/both_ways.sh [SET [FIRST [LAST]]]     d1 101 105: some minutes of a core.
-#   STEPS: of training, 500 without it. CAIRN_BIN: the folder of the programs
+#   tests/studies/both_ways.sh [SET [FIRST [LAST]]]     d1 101 105: some minutes of a core
 set -euo pipefail
 here=$(cd "$(dirname "$0")/../.." && pwd)
-PATH=$(realpath "${CAIRN_BIN:-$here/build/release/bin}"):$PATH
+PATH=$here/build/release/bin:$PATH
 set_name=${1:-d1} first=${2:-101} last=${3:-105}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -15,7 +14,7 @@ cd "$work"
 quietly() { "$@" >log 2>&1 || { cat log >&2; exit 1; }; }
 learn() {  # file, unseen runs, heading_window_deg, out
   quietly cairn run landmark_learning "$1" --set unseen="$2" --set heading_window_deg="$3" --set rate=0.02 \
-    --set weight_decay=0.01 --set steps="${STEPS:-500}" --out "$4" --force
+    --set weight_decay=0.01 --set steps=500 --out "$4" --force
 }
 # Prints a row: reduction in percent, way in m until below 1 m (the whole way where it never is), share of facing right there.
 score() {  # name, file, networks, heading_window_deg, heading

@@ -19,14 +19,15 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 python3 "$here/docs/sussex_tables.py" "$CAIRN_DATA/sussex-route" track.csv times.csv
-cairn import images "$CAIRN_DATA/sussex-route" track.csv images.h5 --times times.csv --smooth-s 1 --skip-bad >log 2>&1
-cairn run image_features images.h5 --out route >log 2>&1
+quietly() { "$@" >log 2>&1 || { cat log >&2; exit 1; }; }
+quietly cairn import images "$CAIRN_DATA/sussex-route" track.csv images.h5 --times times.csv --smooth-s 1 --skip-bad
+quietly cairn run image_features images.h5 --out route
 
 row() {  # networks, window_m of training, window to score, name, ceiling
   [[ "$1 $2" =~ ^(${ROWS:-.*})$ ]] || return 0
   for seed in $(seq "$seeds"); do
-    cairn run landmark_learning route/image_features.h5 --out learned --force --seed "$seed" --set unseen=infomax_binary \
-      --set networks="$1" --set window_m="$2" "${options[@]}" >log 2>&1 || { cat log >&2; exit 1; }
+    quietly cairn run landmark_learning route/image_features.h5 --out learned --force --seed "$seed" \
+      --set unseen=infomax_binary --set networks="$1" --set window_m="$2" "${options[@]}"
     cairn evaluate learned --truth route/image_features.h5 --json | "$here/tests/studies/error_reduction.py" "$3"
   done | sort -n | awk -v seeds="$seeds" -v n="$1" -v name="$4" -v ceiling="$5" '
     {v[NR] = $1}
