@@ -2,6 +2,7 @@
 # Figures on the pages are what their commands print: those of commands that take some seconds. The check itself fails where a
 # figure is wrong, a command fails or prints nothing, a block has no figure, or a page has no marker.
 source "$(dirname "$0")/common.sh"
+command -v python3 >/dev/null || skip "there is no python3"
 figures=(python3 "$CAIRN_SOURCE/tests/studies/figures.py")
 
 exits 0 "${figures[@]}" --quick
@@ -15,7 +16,7 @@ of() {
 table=$'| what | figure |\n| --- | --- |'
 of "<!-- printed by: echo 0.0364 m, 9461 of 7 -->
 $table
-| in 3 offices | 0.036 m; 9,461 of 7; 2.5 to 3.1 s; \`--set a=5\`; *0.99* |" 0
+| in 3 offices | D-1: 0.036 m; 9,461 of 7; 2.5 to 3.1 s; \`--set a=5\`; *0.99* |" 0
 says 'page.md:2: 3 figures'
 of "<!-- printed by: echo 0.0364 m -->
 $table

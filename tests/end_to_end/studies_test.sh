@@ -2,6 +2,7 @@
 # Studies that read what `cairn` prints find their figures in it, each with the least that it takes; where a figure is not there
 # they fail.
 source "$(dirname "$0")/common.sh"
+command -v python3 >/dev/null || skip "there is no python3"
 studies=$CAIRN_SOURCE/tests/studies
 export STEPS=2
 

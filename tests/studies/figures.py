@@ -31,7 +31,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MARKER = re.compile(r"<!-- printed (quickly )?by: (.*) -->$")
-NUMBER = re.compile(r"(?<![\w.])-?\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?")
+NUMBER = re.compile(r"(?<![\w.])(?<!\w-)-?\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?")
 OF_THE_MACHINE = re.compile(r"(?:(?:,| to| and) [\d.]+)*\s?(?:s|ms|MB|GB|minutes|hours)\b")
 NOT_OURS = [re.compile(r"`[^`]*`"), re.compile(r"\]\([^)]*\)"), re.compile(r"(?<!\*)\*(?!\*)[^*]+\*(?!\*)")]
 
