@@ -215,7 +215,7 @@ std::vector<PathPart> CutPath(const std::vector<Scan>& path) {
 }
 
 // Lets pass the scans of a laser between which the robot moved.
-class Passing {
+class Thinning {
  public:
   bool Pass(const Pose& pose) {
     constexpr double kMoved_m = 0.08;
@@ -254,18 +254,18 @@ class Comparison {
     constexpr std::size_t kFirstBeams = 360, kSecondBeams = 60;
     const Pose& middle = path[(stretch.first + stretch.end) / 2].pose;
     Part part{SeenAround({middle.x_m, middle.y_m}), {}};
-    Passing first_passing, second_passing;
+    Thinning first_thinning, second_thinning;
     bool looked = false;
     for (std::size_t s = stretch.first; s < stretch.end; ++s) {
       const Pose& pose = path[s].pose;
       const std::span<const RingScan> scan = read(s);
       if (path[s].unsure) continue;
-      if (!scan[first_].range_m.empty() && first_passing.Pass(pose)) {
+      if (!scan[first_].range_m.empty() && first_thinning.Pass(pose)) {
         looked = true;
         EachHit(rings_[first_], scan[first_], kFirstBeams,
                 [&](const Pose& beam, double range_m) { part.first.AddBeam(Compose(pose, beam), range_m); });
       }
-      if (!scan[second_].range_m.empty() && second_passing.Pass(pose))
+      if (!scan[second_].range_m.empty() && second_thinning.Pass(pose))
         EachHit(rings_[second_], scan[second_], kSecondBeams, [&](const Pose& beam, double range_m) {
           if (range_m > kLooked_m) return;
           const Pose at = Compose(beam, {range_m, 0, 0});
