@@ -30,9 +30,9 @@ of '<!-- printed by: the last column -->
 | --- | --- | --- |
 | right | 4 | `echo 4` |
 | not said | 5 | by hand |
-| wrong | 6 | `echo 7` |' 1
+| wrong | 6 | `echo 7 \| cat` |' 1
 says 'page.md:4: 1 figures'
-says 'FAILED: .*page.md:6: 6 not printed by echo 7'
+says 'FAILED: .*page.md:6: 6 not printed by echo 7 \| cat'
 of $'<!-- printed by: true -->\nIt is 0.5 m.' 1
 says 'FAILED: true: prints nothing'
 of $'<!-- printed by: echo 0.5; false -->\nIt is 0.5 m.' 1

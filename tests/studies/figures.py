@@ -15,9 +15,10 @@ the commands print on their standard output, as it is there or rounded to the pa
 and nowhere those within `code` or *italics* (figures of something else: a paper's, an earlier version's), nor seconds and
 megabytes, which are the machine's.
 
+A number is looked for anywhere in what is printed: of a command that prints much `COMMAND | tail -n 5` says which lines count.
 Commands that need CAIRN_DATA are skipped, and named, where that data is missing. --keep: what commands printed is kept in that
-folder, and a command of which it is there is not run again. Without pages: README.md, docs/ and pipelines/, those
-with a marker. CAIRN_BIN: the folder of the programs, build/release/bin without it. Fails where a figure is not printed, a command
+folder, and a command of which it is there is not run again. Without pages: README.md, docs/ and pipelines/, those with a
+marker. CAIRN_BIN: the folder of the programs, build/release/bin without it. Fails where a figure is not printed, a command
 fails or prints nothing, or a block has no figure.
 """
 import argparse
@@ -78,7 +79,9 @@ def rows(page, first, quick, text):
     """A block of each row of a table that has a command and a figure; the table itself where no row has both."""
     found = []
     for line, row in enumerate(text[2:], first + 3):
-        block = Block(page, line, code(cells(row)[-1]), quick, ["", "", row[: row.rstrip()[:-1].rfind("|") + 1]])
+        *others, last = cells(row)
+        without = "| " + " | ".join(cell.replace("|", "\\|") for cell in others) + " |"
+        block = Block(page, line, code(last), quick, ["", "", without])
         if block.commands and list(figures(block)):
             found.append(block)
     return found or [Block(page, first + 1, [], quick, [])]
