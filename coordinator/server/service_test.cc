@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 // Whoever serves it elsewhere goes on: it would end for one that nobody can reach.
 TEST(ServiceStart, OneThatCannotBeReachedTakesNoStoreOver) {
   const wire::PrivateFolder temp;
-  const fs::path folder = temp.path(), store = folder / "store";
+  const fs::path& folder = temp.path();
+  const fs::path store = folder / "store";
   {
     ASSERT_TRUE(StoreFolder::Open(store).ok());
   }
