@@ -9,8 +9,8 @@ export STEPS=2
 # rows COUNT PATTERN: so many lines of the last output.
 rows() { [ "$(grep -Ec -- "$2" stdout)" -eq "$1" ] || die "not $1 lines like '$2': $(cat stdout)"; }
 
-exits 0 "$studies/ball_labels.sh" 101 d3
-rows 6 '^d3, labels 0\.[13] m off, n = [124]: [0-9.]+%$'
+NETWORKS=1 exits 0 "$studies/ball_labels.sh" 101 d3
+rows 2 '^d3, labels 0\.[13] m off, n = 1: [0-9.]+%$'
 exits 0 "$studies/training_methods.sh" d1 21
 rows 8 ' 2 +[0-9.]+% +-?[0-9.]+% +[0-9.]+$'
 

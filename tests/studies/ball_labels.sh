@@ -2,6 +2,7 @@
 # How far the errors of the position labels bound what BaLL learns: simulated corridors whose labels are 0.1 m and
 # 0.3 m off, 1, 2 and 4 networks for +-2 m; three runs trained on, a fourth that nothing saw.
 #   tests/studies/ball_labels.sh [SEED [SET...]]     d3 and d1 without a set. STEPS: of training, 500 without it.
+#   NETWORKS: how many, one after another, without it "1 2 4"
 #   CAIRN_BIN: the folder of the programs
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
@@ -18,7 +19,7 @@ for set in "${sets[@]}"; do
     log=$dir/$set-$error_m
     cairn simulate corridor --set "$set" --seed "$seed" --runs 3 --label-error-m $error_m "$log.train.h5" >/dev/null
     cairn simulate corridor --set "$set" --seed "$seed" --label-error-m $error_m "$log.all.h5" >/dev/null
-    for networks in 1 2 4; do
+    for networks in ${NETWORKS:-1 2 4}; do
       cairn run landmark_learning "$log.train.h5" --set networks=$networks "${recipe[@]}" --out "$log.$networks" \
         >"$dir/said" 2>&1 || { cat "$dir/said" >&2; exit 1; }
       reduction=$(cairn evaluate "$log.$networks" --truth "$log.all.h5" --json | "$here/error_reduction.py" 2)
