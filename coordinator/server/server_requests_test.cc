@@ -1,4 +1,4 @@
-// What clients ask of a service.
+// What clients ask of a service: long, for they ask much of one fixture.
 #include <gtest/gtest.h>
 
 #include <algorithm>

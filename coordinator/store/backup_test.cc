@@ -1,3 +1,4 @@
+// Long, for all of it needs one fixture: a store with a job that is held in the midst of a round.
 #include "coordinator/store/backup.h"
 
 #include <signal.h>

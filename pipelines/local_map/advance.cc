@@ -1,3 +1,4 @@
+// Long, for it is one class: what ends each round and plans the next, over one graph.
 #include "pipelines/local_map/advance.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// The pipeline as a whole, in one world after another.
 #include "pipelines/local_map/local_map.h"
 
 #include <gtest/gtest.h>
