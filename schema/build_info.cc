@@ -3,6 +3,7 @@
 #include <string>
 
 #include "schema/numerics.h"
+#include "schema/sources.h"
 
 #if defined(__GLIBC__)
 #include <gnu/libc-version.h>
@@ -29,9 +30,12 @@ std::string Libc() {
 
 }  // namespace
 
+const char* SourcesOfThisBuild() { return CAIRN_SOURCES; }
+
 wire::Build ThisBuild() {
   wire::Build build;
   build.set_version(CAIRN_VERSION);
+  build.set_sources(SourcesOfThisBuild());
   build.set_compiler(Compiler());
   build.set_flags(CAIRN_BUILD_FLAGS);
   build.set_libc(Libc());

@@ -5,6 +5,9 @@
 
 namespace cairn {
 
+// A hash of the sources of schema and pipelines, their tests aside, in hexadecimal digits.
+const char* SourcesOfThisBuild();
+
 // Runs the numeric self-test; FixNumericsOfProcess and FixNumericsOfThread come before it.
 wire::Build ThisBuild();
 

@@ -14,6 +14,7 @@
 #include "coordinator/cli/common/suggest.h"
 #include "coordinator/cli/output/console.h"
 #include "coordinator/cli/output/output.h"
+#include "schema/build_info.h"
 #include "schema/command_line/renamed.h"
 #include "schema/process_limits.h"
 #include "schema/store/atomic_file.h"
@@ -144,7 +145,9 @@ int RunCaught(const Invocation& call) {
 
 int ParseAndRun(const Program& program, int argc, char** argv) {
   CLI::App app(program.purpose, program.name);
-  app.set_version_flag("--version", std::string(program.name) + " " CAIRN_VERSION " (" CAIRN_MARCH ")");
+  app.set_version_flag("--version", std::string(program.name) +
+                                        " " CAIRN_VERSION " (" CAIRN_MARCH ", sources " +
+                                        SourcesOfThisBuild() + ")");
   app.require_subcommand(1);
   app.fallthrough();
   app.footer(

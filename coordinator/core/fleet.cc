@@ -215,6 +215,7 @@ std::string BuildDifference(const wire::Build& coordinators, const wire::Build& 
         (text.empty() ? "" : "; ") + std::string(what) + " is '" + b + "', the coordinator's is '" + a + "'";
   };
   compare("version", coordinators.version(), have.version());
+  compare("hash of the sources", coordinators.sources(), have.sources());
   compare("compiler", coordinators.compiler(), have.compiler());
   compare("flags", coordinators.flags(), have.flags());
   compare("libc", coordinators.libc(), have.libc());

@@ -46,6 +46,23 @@ TEST(CoreWorkers, AnotherBuildIsRefusedWithTheReason) {
   EXPECT_EQ(fixture.core.fleet().size(), 1u);
 }
 
+TEST(CoreWorkers, OfOneVersionAndOfOtherSourcesItIsAnotherBuild) {
+  CoreOptions options;
+  options.build = TestBuild();
+  options.build.set_sources("a1");
+  CoreFixture fixture(options);
+  wire::Hello hello;
+  hello.set_protocol(3);
+  *hello.mutable_build() = options.build;
+  hello.mutable_build()->set_sources("b2");
+  hello.set_slots(1);
+  fixture.Do(WorkerHello{"x", hello});
+  const auto refused = fixture.Sent(&wire::Envelope::has_refuse);
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_EQ(refused[0].message.refuse().reason(), "hash of the sources is 'b2', the coordinator's is 'a1'");
+  EXPECT_EQ(fixture.core.fleet().size(), 0u);
+}
+
 TEST(CoreWorkers, AStrayOfAnotherBuildThatComesFirstIsRefusedAndCountedAndDecidesNothing) {
   CoreFixture fixture;
   fixture.Join("stray", 1, "2");

@@ -47,7 +47,7 @@ Blob WithProvenance(const Blob& result, const proto::Checkpoint& checkpoint, std
   of.stage = plan.name();
   of.kind = KindOf(result);
   of.version = build.version();
-  of.build = build.compiler() + "; " + build.flags() + "; " + build.libc();
+  of.build = build.compiler() + "; " + build.flags() + "; " + build.libc() + "; sources " + build.sources();
   of.finished_utc = finished_utc;
   of.hosts = std::vector<std::string>(facts.hosts().begin(), facts.hosts().end());
   of.workers = facts.workers();
