@@ -42,5 +42,21 @@ TEST(NetworksVerdict, IsLowWhereAnInputTellsTheTime) {
   EXPECT_NE(verdict.why.find("input 'seq' only grows"), std::string::npos) << verdict.why;
 }
 
+TEST(NetworksVerdict, IsLowWhereWhatIsHeldOutHadBeenTrainedOn) {
+  Blob result = TrainedNetworks({9, 6, 5}, {8, 6, 7});
+  result.PutScalar<double>("held_out/known_share", 0.5);
+  const Verdict verdict = NetworksVerdict(result);
+  EXPECT_EQ(verdict.trust, Confidence::kLow);
+  EXPECT_NE(verdict.why.find("50% of the samples that were held out"), std::string::npos) << verdict.why;
+}
+
+TEST(NetworksVerdict, IsNotKnownWhereFewSamplesAreHeldOut) {
+  Blob result = TrainedNetworks({9, 6, 5}, {8, 6, 7});
+  result.PutScalar<std::int64_t>("held_out/samples", 3);
+  const Verdict verdict = NetworksVerdict(result);
+  EXPECT_EQ(verdict.trust, Confidence::kNone);
+  EXPECT_NE(verdict.why.find("3 samples were held out"), std::string::npos) << verdict.why;
+}
+
 }  // namespace
 }  // namespace cairn::datasets

@@ -8,6 +8,7 @@
 
 #include "pipelines/landmark_learning/data/ancestry.h"
 #include "pipelines/landmark_learning/networks/arrays.h"
+#include "schema/kinds/sample_hashes.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -75,7 +76,15 @@ Step ResultOf(const Options& options, const TrainingData& data, const Training& 
   of.options = texts.all;
   if (!t.warnings.empty()) of.warnings = t.warnings;
   if (!data.input_doubts.empty()) of.input_doubts = data.input_doubts;
-  if (parent != nullptr) of.ancestry = AncestryOf(*parent);
+  of.map.sample_hash = set.sample_hash;
+  if (data.held_out.size() > 0) of.held_out.samples = static_cast<std::int64_t>(data.held_out.size());
+  if (parent != nullptr) {
+    of.ancestry = AncestryOf(*parent);
+    const std::span<const std::int64_t> before = of.ancestry.sample_hash.values();
+    const SamplesInCommon common = InCommon(data.held_out.sample_hash, {before.begin(), before.end()});
+    if (common.known > 0)
+      of.held_out.known_share = static_cast<double>(common.known) / static_cast<double>(common.all);
+  }
   Blob result = BlobOf(of);
   if (starts != nullptr) result.PutAll("", *starts);
   Step step;

@@ -1,6 +1,8 @@
 // Networks as they lie in a file of kind `networks` (schema/FORMAT.md).
 #pragma once
 
+#include <cstdint>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +24,7 @@ class Learned {
   const std::vector<std::string>& input_names() const { return input_names_; }
   // The runs that they were trained on, by name.
   const std::vector<std::string>& trained_on() const { return trained_on_; }
+  const std::set<std::int64_t>& known_samples() const { return known_samples_; }
   // Where the training samples were taken, and what the networks make of them: [training samples][networks].
   const std::vector<Position>& positions() const { return positions_; }
   const std::vector<double>& outputs() const { return outputs_; }
@@ -41,6 +44,7 @@ class Learned {
   landmark_learning::Parameters<float> parameters_;
   std::vector<double> mean_, scale_;
   std::vector<std::string> input_names_, trained_on_;
+  std::set<std::int64_t> known_samples_;
   std::vector<Position> positions_;
   std::vector<double> outputs_, headings_rad_;
 };

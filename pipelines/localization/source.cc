@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <span>
 
 #include "pipelines/common/handed_over.h"
@@ -9,6 +10,7 @@
 #include "schema/error.h"
 #include "schema/headings.h"
 #include "schema/kinds/learning.h"
+#include "schema/kinds/sample_hashes.h"
 
 namespace cairn::localization {
 namespace {
@@ -149,6 +151,19 @@ std::vector<std::size_t> RunsToLocaliseIn(const Options& options, const std::vec
   return runs;
 }
 
+// The runs that networks, or any that they went on from, were trained on: by name, and by what was sensed
+// where.
+std::vector<std::string> TrainedOn(const kinds::Samples& samples, const std::vector<Learned>& learned) {
+  std::vector<std::string> trained_on = learned.front().trained_on();
+  for (std::size_t r = 0; r < samples.runs.size(); ++r) {
+    const std::vector<std::int64_t> hashes = SampleHashes(samples.run[r], samples.input_name.size());
+    const bool known = std::ranges::any_of(
+        learned, [&](const Learned& of) { return InCommon(hashes, of.known_samples()).AreACopy(); });
+    if (known && std::ranges::count(trained_on, samples.runs[r]) == 0) trained_on.push_back(samples.runs[r]);
+  }
+  return trained_on;
+}
+
 std::vector<Learned> ReadNetworks(const Options& options, const Inputs& inputs) {
   std::vector<Learned> learned;
   for (const char* name : {"networks", "networks_2", "networks_3"}) {
@@ -177,7 +192,7 @@ void Source::UseNetworks(const Options& options, const kinds::Samples& samples,
   map_positions = learned.front().positions();
   map_heading_rad = learned.front().headings_rad();
   map_output = extractor.MapOutput();
-  for (const std::size_t r : RunsToLocaliseIn(options, run_names, learned.front().trained_on())) {
+  for (const std::size_t r : RunsToLocaliseIn(options, run_names, TrainedOn(samples, learned))) {
     Run run = RunOf(options, samples, r);
     run.output = extractor.OutputOf(r, run.positions.size());
     runs.push_back(std::move(run));

@@ -79,6 +79,7 @@ struct Networks {
     Column<double> x_m, y_m, along_m, heading_rad;
     Column<std::int32_t> run;
     Column<float> output;
+    Column<std::int64_t> sample_hash;
     static void Fields(const auto& field) {
       field(Needed("x_m", "K", Position()), &Map::x_m);
       field(Needed("y_m", "K", Position()), &Map::y_m);
@@ -86,6 +87,7 @@ struct Networks {
       field({"heading_rad", "K", Finite()}, &Map::heading_rad);
       field(Needed("run", "K", IndexInto("runs")), &Map::run);
       field(Needed("output", "K,n", Share()), &Map::output);
+      field({"sample_hash", "K", Free()}, &Map::sample_hash);
     }
   };
   struct History {
@@ -96,9 +98,17 @@ struct Networks {
       field(Needed("gradient_norm", "S", Finite()), &History::gradient_norm);
     }
   };
+  struct HeldOut {
+    Column<std::int64_t> samples;
+    Column<double> known_share;
+    static void Fields(const auto& field) {
+      field({"samples", "", From(0)}, &HeldOut::samples);
+      field({"known_share", "", Share()}, &HeldOut::known_share);
+    }
+  };
   struct Ancestry {
     Texts hash, options;
-    Column<std::int64_t> steps;
+    Column<std::int64_t> steps, sample_hash;
     Column<double> training_error_m, prior_error_m;
     static void Fields(const auto& field) {
       field(Needed("hash", "A"), &Ancestry::hash);
@@ -106,6 +116,7 @@ struct Networks {
       field(Needed("steps", "A", From(0)), &Ancestry::steps);
       field(Needed("training_error_m", "A", Finite().OrNan()), &Ancestry::training_error_m);
       field(Needed("prior_error_m", "A", Finite().OrNan()), &Ancestry::prior_error_m);
+      field({"sample_hash", "B", Free()}, &Ancestry::sample_hash);
     }
   };
 
@@ -113,6 +124,7 @@ struct Networks {
   Map map;
   Texts runs, options, warnings, input_doubts;
   History history;
+  HeldOut held_out;
   Column<double> prior_error_m, validation_prior_error_m, window_m, heading_window_deg, starts_error_m;
   Column<std::int64_t> starts_chosen;
   Ancestry ancestry;
@@ -129,6 +141,7 @@ struct Networks {
     field({"options", "O"}, &Networks::options);
     field({"warnings", "W"}, &Networks::warnings);
     field({"input_doubts", "D"}, &Networks::input_doubts);
+    field("held_out", &Networks::held_out);
     field({"starts/error_m", "C", Finite()}, &Networks::starts_error_m);
     field({"starts/chosen", "", IndexInto("starts/error_m")}, &Networks::starts_chosen);
     field("ancestry", &Networks::ancestry);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "schema/kinds/learning.h"
+#include "schema/kinds/sample_hashes.h"
 
 namespace cairn::datasets {
 namespace {
@@ -76,7 +77,8 @@ HeldOutRuns ReadHeldOutRuns(const Blob& file, const LearnedNetworks& nets) {
     HeldOutRun run{names[r], r, of.x_m, of.y_m, of.input, of.heading_rad.OrNone()};
     if (run.x_m.empty()) continue;
     if (DecidedWhenToStop(names[r], nets)) held_out.stopped_by.push_back(names[r]);
-    if (WasTrainedOn(run, nets) || IsCopyOfTrained(run, nets))
+    const bool known = InCommon(SampleHashes(of, nets.inputs), nets.known).AreACopy();
+    if (known || WasTrainedOn(run, nets) || IsCopyOfTrained(run, nets))
       held_out.trained_on.push_back(names[r]);
     else
       held_out.runs.push_back(std::move(run));

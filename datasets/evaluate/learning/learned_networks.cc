@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "schema/kinds/learning.h"
+#include "schema/kinds/sample_hashes.h"
 
 namespace cairn::datasets {
 namespace {
@@ -65,6 +66,7 @@ LearnedNetworks ReadLearnedNetworks(const Blob& file) {
   if (of.map.heading_rad) nets.heading_rad = of.map.heading_rad.vector();
   nets.runs = of.runs.values();
   nets.run = of.map.run.vector();
+  nets.known = SamplesKnownTo(of);
   nets.window_m = of.window_m.Or(nets.window_m);
   nets.heading_window_deg = of.heading_window_deg.Or(nets.heading_window_deg);
   return nets;

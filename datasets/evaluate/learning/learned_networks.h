@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,6 +29,7 @@ struct LearnedNetworks {
   std::vector<std::int32_t> run;  // an index into `runs`
   std::vector<double> output;     // [samples][networks], in [0, 1]
   std::vector<std::string> runs;
+  std::set<std::int64_t> known;     // SamplesKnownTo; empty in older files
   double window_m = 0;              // of the belief that they were trained for; 0: globally uncertain
   std::vector<double> heading_rad;  // of the samples; empty in older files, and where it is not known
   double heading_window_deg = 180;  // of that belief; 180: samples that face whichever way

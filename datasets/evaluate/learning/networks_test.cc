@@ -8,6 +8,7 @@
 #include "datasets/evaluate/learning/learned_networks.h"
 #include "datasets/evaluate/testing/networks.h"
 #include "datasets/testing.h"
+#include "schema/kinds/sample_hashes.h"
 #include "schema/rng.h"
 
 namespace cairn::datasets {
@@ -209,6 +210,22 @@ TEST(EvaluateNetworks, CopiesOfWhatWasTrainedOnAreLeftOutWhateverTheirName) {
   EXPECT_EQ(e.trained_on, std::vector<std::string>{"copy"});
   ASSERT_EQ(e.runs.size(), 1U);
   EXPECT_EQ(e.runs[0].name, "real") << "at the same places, but it senses other things";
+}
+
+TEST(EvaluateNetworks, RunsThatNetworksBeforeTheseWereTrainedOnAreLeftOut) {
+  const RunByHand old{"old", {5, 15, 25}, {7, 8, 9}}, other{"other", {0, 10}, {0, 1}};
+  const Blob samples = SamplesFile({old, other});
+  Blob nets = NetworksThatNameEveryPosition();
+  nets.Put("ancestry/hash", Array::Texts({std::string(32, '0')}));
+  nets.Put("ancestry/options", Array::Texts({""}));
+  nets.PutVector<std::int64_t>("ancestry/steps", {1});
+  nets.PutVector<double>("ancestry/training_error_m", {1});
+  nets.PutVector<double>("ancestry/prior_error_m", {2});
+  nets.PutVector("ancestry/sample_hash", SampleHashes(Read<kinds::Samples>(samples).run[0], 1));
+  const NetworkEvaluation e = EvaluateNetworks(nets, samples, {.nearest = 1});
+  EXPECT_EQ(e.trained_on, std::vector<std::string>{"old"});
+  ASSERT_EQ(e.runs.size(), 1U);
+  EXPECT_EQ(e.runs[0].name, "other");
 }
 
 TEST(EvaluateNetworks, RunsThatWereTrainedOnAreLeftOut) {

@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <cstdint>
+#include <set>
 #include <utility>
 
 #include "pipelines/landmark_learning/networks/arrays.h"
+#include "schema/kinds/sample_hashes.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -59,9 +61,11 @@ kinds::Networks::Ancestry AncestryOf(const Blob& file) {
     all.push_back(std::move(last));
     return all;
   };
+  const std::set<std::int64_t> known = SamplesKnownTo(parent);
   return {with(before.hash, file.Without("provenance/").ContentHash().Hex()),
           with(before.options, Joined(parent.options.OrNone())),
           with(before.steps, static_cast<std::int64_t>(history.size())),
+          std::vector(known.begin(), known.end()),
           with(before.training_error_m, history.empty() ? std::nan("") : history.back()),
           with(before.prior_error_m, parent.prior_error_m.Scalar())};
 }

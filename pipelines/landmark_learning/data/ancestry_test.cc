@@ -90,6 +90,26 @@ TEST_F(Ancestry, IsRecordedFromTheFirstRunOn) {
             parent_->Get<double>("history/training_error_m").back());
 }
 
+// In whichever generation, and whatever a run is called there.
+TEST_F(Ancestry, WhatIsHeldOutIsKnownWhereNetworksBeforeHadLearnedFromIt) {
+  Options held_out = kFew;
+  held_out.steps = 5;
+  held_out.unseen = "run 2";
+  const BlobPtr unrelated = Learn(CorridorSamples{.seed = 9}.Make(), held_out, nullptr);
+  const BlobPtr first = Learn(samples_, held_out, nullptr);
+  held_out.unseen = "";
+  Blob renamed = samples_;
+  renamed.Put("runs", Array::Texts({"x", "y", "z"}));
+  held_out.holdout = "x";
+  EXPECT_FALSE(Learn(renamed, held_out, nullptr)->Has("held_out/known_share"));
+  EXPECT_FALSE(Learn(renamed, held_out, unrelated)->Has("held_out/known_share"));
+  const BlobPtr second = Learn(renamed, held_out, first);
+  EXPECT_EQ(second->Scalar<double>("held_out/known_share"), 1);
+  held_out.holdout = "z";
+  EXPECT_FALSE(Learn(renamed, held_out, first)->Has("held_out/known_share")) << "it was unseen";
+  EXPECT_EQ(Learn(renamed, held_out, second)->Scalar<double>("held_out/known_share"), 1);
+}
+
 TEST_F(Ancestry, WeightsOfAnotherShapeAreRefused) {
   Options other = kFew;
   other.networks = 3;

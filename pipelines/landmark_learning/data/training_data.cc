@@ -8,6 +8,7 @@
 #include "schema/error.h"
 #include "schema/kinds/inputs_of_time.h"
 #include "schema/kinds/learning.h"
+#include "schema/kinds/sample_hashes.h"
 
 namespace cairn::landmark_learning {
 namespace {
@@ -18,6 +19,7 @@ struct RawRun {
   std::vector<double> weight;   // empty: the file has none
   std::vector<double> heading;  // the same
   std::vector<float> inputs;
+  std::vector<std::int64_t> sample_hash;
 };
 
 // The same snapshot twice would be told apart from itself. (A robot that stands still has times of its own.)
@@ -31,7 +33,7 @@ void CheckNoDuplicates(const Positions& positions, const std::vector<double>& ti
   }
 }
 
-RawRun RunOf(const kinds::Samples::Run& of, const std::string& run) {
+RawRun RunOf(const kinds::Samples::Run& of, const std::string& run, std::size_t inputs) {
   RawRun raw;
   raw.positions.x_m = of.x_m.vector();
   raw.positions.y_m = of.y_m.vector();
@@ -42,6 +44,7 @@ RawRun RunOf(const kinds::Samples::Run& of, const std::string& run) {
   if (of.heading_rad) raw.heading = of.heading_rad.vector();
   CheckNoDuplicates(raw.positions, of.time_s.vector(), run);
   raw.inputs = of.input.vector();
+  raw.sample_hash = SampleHashes(of, inputs);
   double along = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
     if (k > 0)
@@ -58,6 +61,7 @@ struct RawSet {
   std::vector<std::int32_t> run;
   std::vector<float> inputs;
   std::vector<double> weight, heading;  // of fewer samples where a run has none
+  std::vector<std::int64_t> sample_hash;
 };
 
 void Append(const RawRun& raw, std::size_t run, RawSet* set) {
@@ -68,6 +72,7 @@ void Append(const RawRun& raw, std::size_t run, RawSet* set) {
   add(raw.inputs, &set->inputs);
   add(raw.weight, &set->weight);
   add(raw.heading, &set->heading);
+  add(raw.sample_hash, &set->sample_hash);
   set->run.insert(set->run.end(), raw.positions.x_m.size(), static_cast<std::int32_t>(run));
 }
 
@@ -89,6 +94,7 @@ RawSet Sorted(const RawSet& set, std::size_t inputs) {
     sorted.positions.y_m.push_back(set.positions.y_m[k]);
     sorted.positions.along_m.push_back(set.positions.along_m[k]);
     sorted.run.push_back(set.run[k]);
+    sorted.sample_hash.push_back(set.sample_hash[k]);
     if (set.weight.size() == order.size()) sorted.weight.push_back(set.weight[k]);
     if (set.heading.size() == order.size()) sorted.heading.push_back(set.heading[k]);
     const float* row = &set.inputs[k * inputs];
@@ -117,7 +123,8 @@ SampleSet Normalised(RawSet set, const std::vector<double>& mean, const std::vec
                        std::move(weight),
                        Array::Of<float>({samples, static_cast<std::int64_t>(mean.size())}, set.inputs),
                        std::move(set.weight),
-                       std::move(set.heading)};
+                       std::move(set.heading),
+                       std::move(set.sample_hash)};
   PutDirections(&normalised);
   return normalised;
 }
@@ -147,19 +154,6 @@ void RequireKnownRuns(const std::vector<std::string>& runs, const std::string& h
   }
 }
 
-// A sample as it was sensed, and where.
-std::string SampleRow(const kinds::Samples::Run& run, std::size_t k, std::size_t inputs) {
-  std::string row;
-  const auto add = [&](const auto& values) {
-    const auto bytes = std::as_bytes(values);
-    row.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  };
-  add(run.x_m.values().subspan(k, 1));
-  add(run.y_m.values().subspan(k, 1));
-  add(run.input.values().subspan(k * inputs, inputs));
-  return row;
-}
-
 // What was recorded once says nothing of what was learned from it, whatever it is called.
 void RequireNoCopy(const kinds::Samples& samples, const std::string& holdout,
                    const std::vector<std::string>& unseen) {
@@ -167,17 +161,13 @@ void RequireNoCopy(const kinds::Samples& samples, const std::string& holdout,
   const std::size_t inputs = samples.input_name.values().size();
   const auto at = static_cast<std::size_t>(std::ranges::find(names, holdout) - names.begin());
   if (at == names.size()) return;
-  const kinds::Samples::Run& held_out = samples.run[at];
-  std::set<std::string> rows;
-  for (std::size_t k = 0; k < held_out.x_m.size(); ++k) rows.insert(SampleRow(held_out, k, inputs));
+  const std::vector<std::int64_t> held_out = SampleHashes(samples.run[at], inputs);
   for (std::size_t r = 0; r < names.size(); ++r) {
     if (r == at || std::ranges::count(unseen, names[r]) > 0) continue;
-    std::set<std::string> both;
-    for (std::size_t k = 0; k < samples.run[r].x_m.size(); ++k)
-      if (std::string row = SampleRow(samples.run[r], k, inputs); rows.contains(row))
-        both.insert(std::move(row));
-    if (2 * both.size() <= rows.size()) continue;
-    throw InputError("holdout: " + std::to_string(both.size()) + " of " + std::to_string(rows.size()) +
+    const std::vector<std::int64_t> trained = SampleHashes(samples.run[r], inputs);
+    const SamplesInCommon common = InCommon(held_out, {trained.begin(), trained.end()});
+    if (!common.AreACopy()) continue;
+    throw InputError("holdout: " + std::to_string(common.known) + " of " + std::to_string(common.all) +
                      " samples of run '" + holdout + "' are row by row those of run '" + names[r] +
                      "', which is trained on: it is a copy, and tells nothing of what was learned. Hold out "
                      "another run, or name '" +
@@ -202,7 +192,7 @@ TrainingData TrainingData::Of(const Blob& blob, const std::string& holdout, cons
   RawSet training, held_out;
   for (std::size_t r = 0; r < all.size(); ++r) {
     if (std::ranges::count(unseen, all[r]) > 0) continue;
-    Append(RunOf(samples.run[r], all[r]), data.runs.size(),
+    Append(RunOf(samples.run[r], all[r], inputs), data.runs.size(),
            !holdout.empty() && all[r] == holdout ? &held_out : &training);
     data.runs.push_back(all[r]);
   }

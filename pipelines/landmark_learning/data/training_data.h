@@ -21,6 +21,7 @@ struct SampleSet {
   std::vector<double> weight_in_file =
       {};                                // run/N/weight of the input; empty where a run has none; not stored
   std::vector<double> heading_rad = {};  // empty where a run has none; its cosine and sine are in `positions`
+  std::vector<std::int64_t> sample_hash = {};  // SampleHashes
 
   const float* inputs() const { return input.As<float>().data(); }
   int size() const { return positions.size(); }
@@ -30,6 +31,7 @@ struct SampleSet {
     field("weight", &SampleSet::weight);
     field("input", &SampleSet::input);
     field("heading_rad", &SampleSet::heading_rad);
+    field("sample_hash", &SampleSet::sample_hash);
   }
 };
 
