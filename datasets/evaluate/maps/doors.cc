@@ -1,6 +1,8 @@
 #include "datasets/evaluate/maps/doors.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 #include <vector>
@@ -16,14 +18,15 @@ class Passage {
       : map_(map), door_(door), width_m_(DistanceM(door.a, door.b)) {
     along_ = {(door.b.x_m - door.a.x_m) / width_m_, (door.b.y_m - door.a.y_m) / width_m_};
     CollectFree();
+    GrowSquares();
   }
 
   // Whether a square of `edge` cells gets through.
   bool LetsThrough(std::int64_t edge) const {
     std::set<Cell> fits;
     std::vector<Cell> open;
-    for (const Cell& cell : free_) {
-      if (!Fits(cell, edge)) continue;
+    for (const auto& [cell, largest] : largest_) {
+      if (largest < edge) continue;
       fits.insert(cell);
       if (IsBefore(cell, edge)) open.push_back(cell);
     }
@@ -39,7 +42,12 @@ class Passage {
     return false;
   }
 
-  double width_m() const { return width_m_; }
+  // The edge of the largest square that fits somewhere in the strip.
+  std::int64_t largest() const {
+    std::int64_t most = 0;
+    for (const auto& [cell, largest] : largest_) most = std::max(most, largest);
+    return most;
+  }
 
  private:
   struct Place {
@@ -55,56 +63,61 @@ class Passage {
   void CollectFree() {
     const double reach_m = width_m_ + 2 * kThroughM + 2 * map_.box.cell_m;
     const Point middle{(door_.a.x_m + door_.b.x_m) / 2, (door_.a.y_m + door_.b.y_m) / 2};
-    for (std::int64_t row = map_.box.RowOf(middle.y_m - reach_m); row <= map_.box.RowOf(middle.y_m + reach_m);
+    const GridBox& box = map_.box;  // nothing beyond it is free
+    const std::int64_t last_row = std::min(box.RowOf(middle.y_m + reach_m), box.rows - 1),
+                       last_column = std::min(box.ColumnOf(middle.x_m + reach_m), box.columns - 1);
+    for (std::int64_t row = std::max<std::int64_t>(box.RowOf(middle.y_m - reach_m), 0); row <= last_row;
          ++row) {
-      for (std::int64_t column = map_.box.ColumnOf(middle.x_m - reach_m);
-           column <= map_.box.ColumnOf(middle.x_m + reach_m); ++column) {
+      for (std::int64_t column = std::max<std::int64_t>(box.ColumnOf(middle.x_m - reach_m), 0);
+           column <= last_column; ++column) {
         const Place place = PlaceOf({column, row});
         const bool in_strip = place.along_m >= 0 && place.along_m <= width_m_ &&
-                              std::abs(place.across_m) <= kThroughM + map_.box.cell_m;
-        if (in_strip && map_.IsFree(column, row)) free_.insert({column, row});
+                              std::abs(place.across_m) <= kThroughM + box.cell_m;
+        if (in_strip && map_.IsFree(column, row)) largest_.emplace(Cell{column, row}, 1);
       }
     }
   }
 
-  // The square's lowest, leftmost cell is `cell`.
-  bool Fits(const Cell& cell, std::int64_t edge) const {
-    for (std::int64_t y = 0; y < edge; ++y) {
-      for (std::int64_t x = 0; x < edge; ++x)
-        if (!free_.contains({cell.first + x, cell.second + y})) return false;
+  // From the last cell on: a square is one more than those that begin beside, above and aslant.
+  void GrowSquares() {
+    const auto at = [&](std::int64_t column, std::int64_t row) {
+      const auto found = largest_.find({column, row});
+      return found == largest_.end() ? 0 : found->second;
+    };
+    for (auto square = largest_.rbegin(); square != largest_.rend(); ++square) {
+      const auto [column, row] = square->first;
+      square->second = 1 + std::min({at(column + 1, row), at(column, row + 1), at(column + 1, row + 1)});
     }
-    return true;
   }
 
-  template <class Is>
-  bool Any(const Cell& cell, std::int64_t edge, const Is& is) const {
-    for (std::int64_t y = 0; y < edge; ++y) {
-      for (std::int64_t x = 0; x < edge; ++x)
-        if (is(PlaceOf({cell.first + x, cell.second + y}).across_m)) return true;
-    }
-    return false;
+  // Of the square's cells the farthest before and behind the opening are two of its corners.
+  std::pair<double, double> AcrossM(const Cell& cell, std::int64_t edge) const {
+    const std::int64_t last = edge - 1;
+    return std::minmax({PlaceOf(cell).across_m, PlaceOf({cell.first + last, cell.second}).across_m,
+                        PlaceOf({cell.first, cell.second + last}).across_m,
+                        PlaceOf({cell.first + last, cell.second + last}).across_m});
   }
-  bool IsBefore(const Cell& cell, std::int64_t edge) const {
-    return Any(cell, edge, [](double across_m) { return across_m <= -kThroughM; });
-  }
-  bool IsBehind(const Cell& cell, std::int64_t edge) const {
-    return Any(cell, edge, [](double across_m) { return across_m >= kThroughM; });
-  }
+  bool IsBefore(const Cell& cell, std::int64_t edge) const { return AcrossM(cell, edge).first <= -kThroughM; }
+  bool IsBehind(const Cell& cell, std::int64_t edge) const { return AcrossM(cell, edge).second >= kThroughM; }
 
   const Occupancy& map_;
   Wall door_;
   double width_m_;
   Point along_;
-  std::set<Cell> free_;
+  std::map<Cell, std::int64_t>
+      largest_;  // edge of the square of free cells whose lowest, leftmost cell it is
 };
 
 }  // namespace
 
 double PassageM(const Occupancy& map, const Wall& door) {
   const Passage passage(map, door);
-  std::int64_t edge = 0;
-  const auto most = static_cast<std::int64_t>(passage.width_m() / map.box.cell_m) + 1;
-  while (edge < most && passage.LetsThrough(edge + 1)) ++edge;
+  // What a square gets through, a smaller one does.
+  std::int64_t edge = 0, too_large = passage.largest() + 1;
+  while (edge + 1 < too_large) {
+    const std::int64_t middle = edge + (too_large - edge) / 2;
+    (passage.LetsThrough(middle) ? edge : too_large) = middle;
+  }
   return static_cast<double>(edge) * map.box.cell_m;
 }
 

@@ -51,5 +51,14 @@ TEST(Passage, OfASlantingDoor) {
   EXPECT_EQ(PassageM(ReadOccupancy(DrawnMap(rows, 0.1)), door), 0);
 }
 
+// Its work is that of the map's cells, however wide it is and wherever: seen to run for minutes otherwise.
+TEST(Passage, OfADoorFarAwayOrVeryWideIsNoMoreThanTheMap) {
+  const std::vector<std::string> rows(200, std::string(200, '.'));
+  const Blob map = DrawnMap(rows, 0.1);
+  const Occupancy occupancy = ReadOccupancy(map);
+  EXPECT_NEAR(PassageM(occupancy, {{-1e9, 10}, {1e9, 10}}), 0.7, 1e-9);
+  EXPECT_EQ(PassageM(occupancy, {{0, 1e9}, {1, 1e9}}), 0);
+}
+
 }  // namespace
 }  // namespace cairn::datasets
