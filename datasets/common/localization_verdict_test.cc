@@ -48,6 +48,26 @@ TEST(LocalizationVerdict, IsByHowSureRobotsAreAndHowWellTheyForetell) {
   EXPECT_NE(elsewhere.why.find("another place"), std::string::npos) << elsewhere.why;
 }
 
+// One of three runs was recorded in another frame, 15 m away: what is sure is measured by the others.
+TEST(LocalizationVerdict, IsLowWhereTheMapLiesInTwoPlaces) {
+  Blob result = Localized({2, 2, 2}, 1.5);
+  std::vector<double> x_m, y_m;
+  for (int k = 0; k < 180; ++k) {
+    x_m.push_back(k % 30);
+    y_m.push_back(k < 120 ? 0 : 15);
+  }
+  result.PutVector("position/x_m", x_m);
+  result.PutVector("position/y_m", y_m);
+  const Verdict apart = LocalizationVerdict(result);
+  EXPECT_EQ(apart.trust, Confidence::kLow);
+  EXPECT_NE(apart.why.find("to within 2.2 m"), std::string::npos) << apart.why;
+  EXPECT_NE(apart.why.find("in 2 places with nothing between them, 120 in the largest and 60 in the next"),
+            std::string::npos)
+      << apart.why;
+  result.PutVector("position/y_m", std::vector<double>(180, 0));
+  EXPECT_EQ(LocalizationVerdict(result).trust, Confidence::kFair);
+}
+
 TEST(LocalizationVerdict, OfAnOlderFileIsNotKnown) {
   const Blob older = Localized({2}, 1).Without("step/lead_nats");
   EXPECT_EQ(LocalizationVerdict(older).trust, Confidence::kNone);
