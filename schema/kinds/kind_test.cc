@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <set>
@@ -208,6 +209,27 @@ TEST(CheckInput, TakesNoMapThatIsStillBeingMade) {
     ADD_FAILURE();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(), "input 'map': it is a map_so_far (a map that is still being made: no result)");
+  }
+}
+
+// A sensor's word for "no reading"; what is seen at the robot itself says NaN.
+TEST(CheckKind, ARangeOf0IsNone) {
+  Blob log;
+  log.Put("robots", Array::Texts({"rover"}));
+  log.Put("landmarks", Array::Texts({}));
+  log.PutVector<double>("robot/0/observations/time_s", {1, 2});
+  log.PutVector<std::int32_t>("robot/0/observations/landmark", {-1, -1});
+  log.PutVector<double>("robot/0/observations/range_m", {2, NAN});
+  log.PutVector<double>("robot/0/observations/bearing_rad", {0, NAN});
+  EXPECT_NO_THROW(CheckKind(log, "log"));
+  log.PutVector<double>("robot/0/observations/range_m", {2, 0});
+  try {
+    CheckKind(log, "log");
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "'robot/0/observations/range_m', entry 1: 0, where a number above 0, to 1e+09 or NaN is needed");
   }
 }
 

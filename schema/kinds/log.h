@@ -20,7 +20,7 @@ struct Log {
     static void Fields(const auto& field) {
       field(Needed("time_s", "O", Rising()), &Observations::time_s);
       field(Needed("landmark", "O", IndexInto("landmarks").OrNone()), &Observations::landmark);
-      field(Needed("range_m", "O", NotNegative().OrNan()), &Observations::range_m);
+      field(Needed("range_m", "O", Positive().OrNan()), &Observations::range_m);
       field(Needed("bearing_rad", "O", Finite().OrNan()), &Observations::bearing_rad);
       field({"type", "O", IndexInto("types").OrNone()}, &Observations::type);
     }
@@ -31,7 +31,7 @@ struct Log {
     static void Fields(const auto& field) {
       field(Needed("time_s", "S", Rising()), &RobotObservations::time_s);
       field(Needed("robot", "S", IndexInto("robots")), &RobotObservations::robot);
-      field(Needed("range_m", "S", NotNegative().OrNan()), &RobotObservations::range_m);
+      field(Needed("range_m", "S", Positive().OrNan()), &RobotObservations::range_m);
       field(Needed("bearing_rad", "S", Finite().OrNan()), &RobotObservations::bearing_rad);
     }
   };
