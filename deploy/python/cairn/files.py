@@ -6,6 +6,7 @@ import difflib
 import itertools
 import math
 import os
+import re
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
@@ -29,17 +30,70 @@ _MOST_DEFLATED = 1100  # deflate shrinks at most 1032 times
 _CHUNK_BYTES = 64 << 20  # a larger chunk than that is none of ours, unless the whole array is
 _MOST_LEVELS = 32
 _MOST_LISTED = 2000
+_SCALED_HEAD = 21  # bytes
 _DEFLATE, _SHUFFLE = h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE
-_FILTERS = {_DEFLATE, _SHUFFLE, h5py.h5z.FILTER_FLETCHER32}
+_BITS, _SCALED, _SZIP = h5py.h5z.FILTER_NBIT, h5py.h5z.FILTER_SCALEOFFSET, h5py.h5z.FILTER_SZIP
+_OF_HDF5 = {_BITS, _SCALED, _SZIP}  # which h5py alone undoes, once it is known how much comes of that
+_FILTERS = {_DEFLATE, _SHUFFLE, h5py.h5z.FILTER_FLETCHER32, *_OF_HDF5}
 _ANEW = "; ask whoever made the file to write it again with chunks of about 1 MiB (in h5py chunks=True), each filter once"
 _ANOTHER = ", which no accident does; ask whoever made the file for another, and let no other program unpack this one"
 _MOST_ROWS = 1 << 16  # of texts
+_MOST_NAME, _MOST_TEXT, _MOST_DATASET = 256, 4096, 1024  # bytes: of a name, of an element of a list, of a dataset's name
+_TURNS = "\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069"  # the direction of writing, and lines
+_CONTROL = re.compile(f"[\x00-\x1f\x7f-\x9f{_TURNS}]")
+_CONTROL_IN_LINES = re.compile(f"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f{_TURNS}]")
+_UNITS = {  # by what a name ends in, longer endings first
+    "_rad_per_sqrt_m": "rad/sqrt(m)",
+    "_rad_per_m": "rad/m",
+    "_per_m": "1/m",
+    "_radps": "rad/s",
+    "_mps": "m/s",
+    "_rad2": "rad^2",
+    "_m2": "m^2",
+    "_rad": "rad",
+    "_deg": "deg",
+    "_hz": "Hz",
+    "_bytes": "byte",
+    "_px": "px",
+    "_nats": "nat",
+    "_m": "m",
+    "_s": "s",
+}
+_OTHER_UNITS = {"mm", "cm", "km", "ft", "feet", "in", "inch", "us", "ms", "ns", "min", "degrees", "km/h"}
 _Column = npt.NDArray[np.float64]
 
 
 def _escaped(text: object) -> str:
     """What a stranger wrote, without what a terminal would obey."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(text))
+
+
+def _wrong_with(text: str, most_bytes: int | None, control: re.Pattern[str] = _CONTROL) -> str:
+    """As the program says it; "" where nothing is."""
+    if most_bytes is not None and len(text.encode(errors="surrogateescape")) > most_bytes:
+        return f"is longer than {most_bytes} bytes"
+    if not text.isascii() and any("\ud800" <= c <= "\udfff" for c in text):
+        return "is not UTF-8"
+    return "has control characters" if control.search(text) else ""
+
+
+def _unit_of(name: str) -> str:
+    last = name.rpartition("/")[2]
+    return next((unit for ending, unit in _UNITS.items() if last.endswith(ending) or last == ending[1:]), "1")
+
+
+def _contradicts(name: str, unit: str) -> bool:
+    """Whether the array would be read as of another unit than it says."""
+    own = _unit_of(name)
+    return own not in ("1", unit) and (unit in _OTHER_UNITS or unit in _UNITS.values())
+
+
+def _text_in(attributes: Any, name: str, otherwise: str | None = None) -> str | None:
+    """None where it is no text."""
+    value = attributes.get(name, otherwise)
+    if isinstance(value, bytes):
+        value = value.partition(b"\0")[0].decode(errors="surrogateescape")
+    return value if isinstance(value, str) else None
 
 
 @contextmanager
@@ -77,7 +131,6 @@ class File(Mapping[str, Any]):
         self.path, self.kind, self.changed = path, kind, changed
         self._file = file
         self._names: dict[str, None] = {}
-        self._seen: set[int] = set()
         self._read: dict[str, Any] = {}
         with _as_input(f"{path}: damaged: what is in it cannot be told"):
             self._add_all(file, "")
@@ -86,12 +139,14 @@ class File(Mapping[str, Any]):
         if prefix.count("/") >= _MOST_LEVELS:  # HDF5 goes each time from the root to what it is asked for
             raise InputError(f"{self.path}: groups within groups, more than {_MOST_LEVELS} deep")
         for name in group:
-            if not isinstance(group.get(name, getlink=True), h5py.HardLink):  # no links to elsewhere
-                continue
+            if wrong := _wrong_with(prefix + name, _MOST_DATASET):
+                raise InputError(f"{self.path}: the name of the dataset '{_escaped(prefix + name)}' {wrong}")
+            if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+                raise InputError(f"{self.path}: '{prefix + name}' is a link; Cairn reads what stands there itself")
             item = group[name]
-            if (at := h5py.h5o.get_info(item.id).addr) not in self._seen:  # what has two names has the first
-                self._seen.add(at)
-                self._add(prefix + name, item)
+            if h5py.h5o.get_info(item.id).rc > 1:
+                raise InputError(f"{self.path}: '{prefix + name}' has two names in this file (a hard link); Cairn reads what has one")
+            self._add(prefix + name, item)
 
     def _add(self, name: str, item: Any) -> None:
         if isinstance(item, h5py.Group):
@@ -100,6 +155,14 @@ class File(Mapping[str, Any]):
             return
         if item.external or item.is_virtual:
             raise InputError(f"{self.path}: the data of '{_escaped(name)}' lie in another file")
+        unit = _text_in(item.attrs, "unit", "")
+        if unit is not None and (wrong := _wrong_with(unit, _MOST_NAME)):
+            raise InputError(f"{self.path}: dataset '{name}': its attribute unit {wrong}")
+        if unit is not None and _contradicts(name, unit):
+            raise InputError(
+                f"{self.path}: dataset '{name}': its attribute unit says {unit}, and its name {_unit_of(name)}, as which it "
+                "would be read: convert it, and write that unit, or none"
+            )
         self._names[name] = None
 
     def _dataset(self, name: str) -> h5py.Dataset:
@@ -123,7 +186,9 @@ class File(Mapping[str, Any]):
                 is_texts = dataset.dtype.kind in "SO" and dataset.shape != ()
                 given = _put_together(dataset)
                 value = _texts(dataset, given) if is_texts else dataset[()] if given is None else given
-                self._read[name] = _plain(value, bool(dataset.attrs.get("scalar", 0)))
+                plain = _plain(value, bool(dataset.attrs.get("scalar", 0)))
+                _check_texts(name, plain)
+                self._read[name] = plain
         return self._read[name]
 
     def __contains__(self, name: object) -> bool:
@@ -145,10 +210,10 @@ class File(Mapping[str, Any]):
         """"m", "rad/m", …; "1" of what has none."""
         dataset = self._dataset(name)
         with self._reading(name):
-            unit = dataset.attrs.get("unit", "1")
-            if not isinstance(unit, (bytes, str)):
+            unit = _text_in(dataset.attrs, "unit", "1")
+            if unit is None:
                 raise TypeError("its unit is no text")
-            return unit.decode() if isinstance(unit, bytes) else unit
+            return unit
 
     def under(self, prefix: str) -> dict[str, Any]:
         """The arrays of a group, by what their names have behind `prefix/`."""
@@ -237,16 +302,19 @@ def _put_together(dataset: h5py.Dataset) -> npt.NDArray[Any] | None:
     item = 8 + dataset.file.id.get_create_plist().get_sizes()[0] if is_any_text else dataset.id.get_type().get_size()
     filters = {(given := plan.get_filter(i))[0]: given[2] for i in range(plan.get_nfilters())}
     usual = len(filters) == plan.get_nfilters() and _FILTERS.issuperset(filters)
+    others = [of in _OF_HDF5 for of in filters]
+    if any(others[1:]) or (any(others) and is_any_text):  # what one makes of a few bytes the next would make large
+        usual = False
     if not usual or not (is_any_text or filters.get(_SHUFFLE, (item,)) == (item,)):
         raise ValueError("its filters are none of Cairn's" + _ANEW)
-    if _DEFLATE not in filters:
+    if _DEFLATE not in filters and not any(others):
         return None
     _check_size(dataset, dataset.id.get_num_chunks() * math.prod(dataset.chunks) * item)
     steps = [range(0, n, chunk) for n, chunk in zip(dataset.shape, dataset.chunks)]
     all_there = dataset.id.get_num_chunks() == math.prod(map(len, steps))
     places = itertools.product(*steps) if all_there else _listed(dataset)
-    chunks = ((at, _unpacked(dataset, at, [*filters], item)) for at in places)
-    if not all_there or is_any_text or dataset.id.get_type() != h5py.h5t.py_create(dataset.dtype):
+    chunks = ((at, _unpacked(dataset, at, filters, item)) for at in places)
+    if any(others) or not all_there or is_any_text or dataset.id.get_type() != h5py.h5t.py_create(dataset.dtype):
         for _ in chunks:  # h5py unpacks them again
             pass
         return None
@@ -264,16 +332,20 @@ def _listed(dataset: h5py.Dataset) -> Iterator[tuple[int, ...]]:
     return (dataset.id.get_chunk_info(i).chunk_offset for i in range(there))
 
 
-def _unpacked(dataset: h5py.Dataset, at: tuple[int, ...], filters: list[int], item: int) -> bytes:
-    """A chunk, of no more bytes than it says: its stream may unpack to as much as its maker likes."""
+def _unpacked(dataset: h5py.Dataset, at: tuple[int, ...], filters: Mapping[int, tuple[int, ...]], item: int) -> bytes:
+    """A chunk, of no more bytes than it says: its stream may unpack to as much as its maker likes. b"": h5py may unpack it."""
     size = math.prod(dataset.chunks) * item
     data: bytes
     skipped, data = dataset.id.read_direct_chunk(at)
     if len(data) > 2 * size + 1024:
         raise ValueError("its chunks are more than they unpack to" + _ANEW)
-    for i, of in reversed(list(enumerate(filters))):
-        if not skipped >> i & 1:
-            data = _without(of, data, size, item)
+    for i, (of, says) in reversed(list(enumerate(filters.items()))):
+        if skipped >> i & 1:
+            continue
+        if of in _OF_HDF5:
+            _check_bits(of, says, data, size, item)
+            return b""
+        data = _without(of, data, size, item)
     if len(data) != size:
         raise ValueError("its chunks are not of the size that it says")
     return data
@@ -281,6 +353,8 @@ def _unpacked(dataset: h5py.Dataset, at: tuple[int, ...], filters: list[int], it
 
 def _without(of: int, data: bytes, size: int, item: int) -> bytes:
     if of == _SHUFFLE:
+        if rest := len(data) % item:
+            return _without(of, data[:-rest], size, item) + data[-rest:]
         planes = np.frombuffer(data, np.uint8).reshape(item, -1)
         if item > 8:
             return planes.T.tobytes()
@@ -293,12 +367,35 @@ def _without(of: int, data: bytes, size: int, item: int) -> bytes:
             raise ValueError("its checksum is wrong")
         return data[:-4]
     stream = zlib.decompressobj()
-    data = stream.decompress(data, size + 5)
-    if len(data) > size + 4:  # with a checksum
+    most = size + 4 + _SCALED_HEAD  # with a checksum
+    data = stream.decompress(data, most + 1)
+    if len(data) > most:
         raise ValueError("it unpacks to more than its shape says" + _ANOTHER)
     if not stream.eof:
         raise ValueError("its data break off")
     return data
+
+
+def _check_bits(of: int, says: tuple[int, ...], data: bytes, size: int, item: int) -> None:
+    """Of what HDF5 itself makes a chunk of: that it makes no more, and reads no further than the data go."""
+    count, head = size // item, int.from_bytes(data[:4], "little")
+    bits, before = (head, _SCALED_HEAD) if of == _SCALED else (_bits_of(says, item), 0)
+    if of == _SZIP:
+        right = head <= size
+    else:
+        right = (says[2:3], says[4:5]) == ((count,), (item,)) and bits <= 8 * item
+        right = right and len(data) >= before + (count * bits + 7) // 8
+    if not right:
+        raise ValueError("its chunks are not of the size that it says")
+
+
+def _bits_of(says: tuple[int, ...], item: int) -> int:
+    """That the n-bit filter keeps of an element: all, or those of a number's precision that lie at an offset."""
+    _atomic, _whole = 1, 4
+    if says[1:2] == (1,) or says[3:4] == (_whole,):
+        return 8 * item
+    is_number = len(says) == 8 and says[3] == _atomic and 0 < says[6] and says[6] + says[7] <= 8 * item
+    return says[6] if is_number else 8 * item + 1
 
 
 def _check_size(dataset: h5py.Dataset, size: int) -> None:
@@ -320,6 +417,16 @@ def _texts(dataset: h5py.Dataset, given: npt.NDArray[Any] | None) -> npt.NDArray
     for part in parts:
         texts[part] = [text.decode() for text in values[part].tolist()]
     return texts.reshape(dataset.shape)
+
+
+def _check_texts(name: str, value: Any) -> None:
+    most = _MOST_NAME if name in ("robots", "landmarks", "runs") else _MOST_TEXT
+    if isinstance(value, str) and (wrong := _wrong_with(value, None, _CONTROL_IN_LINES)):
+        raise ValueError(f"'{value[:_MOST_NAME]}' {wrong}")
+    if isinstance(value, np.ndarray) and value.dtype.kind == "U":
+        for text in map(str, value.flat):
+            if wrong := _wrong_with(text, most):
+                raise ValueError(f"'{text[:_MOST_NAME]}' {wrong}")
 
 
 def _of_no_width(dataset: h5py.Dataset) -> npt.NDArray[np.object_]:
@@ -402,9 +509,9 @@ def _kind_of(path: Path, attributes: Any) -> str:
         raise InputError(
             f"{path}: of format {version}, newer than {_FORMAT}, which this version of Cairn reads: install a newer one"
         )
-    kind = attributes.get("cairn_kind")
-    if isinstance(kind, bytes):
-        kind = kind.decode(errors="replace")
-    if version < 1 or not isinstance(kind, str):
+    kind = _text_in(attributes, "cairn_kind")
+    if version < 1 or kind is None:
         raise InputError(f"{path}: not a Cairn file: its root attributes are not as they should be")
+    if wrong := _wrong_with(kind, _MOST_NAME):
+        raise InputError(f"{path}: its root attribute cairn_kind {wrong}")
     return kind
