@@ -5,8 +5,9 @@
 #include <fstream>
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
+#include <utility>
 
-#include "datasets/images/jpeg_scans.h"
+#include "datasets/images/jpeg_form.h"
 
 namespace cairn::datasets {
 namespace {
@@ -21,21 +22,23 @@ std::uint8_t Mean(const cv::Mat& bgr, int row, int column, int channel, int side
   return static_cast<std::uint8_t>((2 * sum + pixels) / (2 * pixels));
 }
 
-bool FileHasTooManyScans(const std::string& path) {
+// Empty: nothing that a decoder would not tell.
+std::string WhatIsWrongWithJpeg(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::string bytes(3, 0);
-  if (!file.read(bytes.data(), 3) || !bytes.starts_with("\xFF\xD8")) return false;
+  std::string bytes(kJpeg.size(), 0);
+  if (!file.read(bytes.data(), static_cast<std::streamsize>(kJpeg.size())) || bytes != kJpeg) return "";
   bytes.append(std::istreambuf_iterator<char>(file), {});
-  return HasTooManyScans(bytes);
+  if (HasTooManyScans(bytes)) return "it cannot be decoded";
+  return BreaksOff(bytes) ? "it cannot be decoded: it breaks off" : "";
 }
 
 }  // namespace
 
 ImageReading DecodeImage(const std::string& path, int most_side) {
+  if (std::string wrong = WhatIsWrongWithJpeg(path); !wrong.empty()) return {.failure = std::move(wrong)};
   cv::Mat image;
   try {
-    if (!FileHasTooManyScans(path))
-      image = cv::imread(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+    image = cv::imread(path, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception&) {
     image.release();  // too large, or damaged in a way that the codec throws
   }

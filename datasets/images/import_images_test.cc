@@ -2,6 +2,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "datasets/images/decode_image.h"
+#include "datasets/images/jpeg_form.h"
 #include "datasets/import/images.h"
 #include "datasets/testing.h"
 
@@ -68,6 +69,38 @@ TEST_F(ImportImagesTest, AJpegOfScansWithoutEndIsNotDecoded) {
     for (int i = 0; i < more; ++i) all += last;
     EXPECT_EQ(DecodeImage(folder_.Put("scans.jpg", all + "\xFF\xD9"), 1000).failure, failure) << more;
   }
+}
+
+// A decoder makes a whole picture of what there is of one, and fills up the rest.
+TEST_F(ImportImagesTest, AnImageThatBreaksOffIsRefused) {
+  cv::Mat image(64, 48, CV_8UC3);
+  cv::randu(image, 0, 256);
+  for (const char* ending : {".jpg", ".png", ".ppm", ".bmp"}) {
+    std::vector<unsigned char> whole;
+    ASSERT_TRUE(cv::imencode(ending, image, whole));
+    const std::string bytes(whole.begin(), whole.end());
+    const auto failure_of = [&](const std::string& given) {
+      return DecodeImage(folder_.Put(std::string("cut") + ending, given), 1000).failure;
+    };
+    EXPECT_EQ(failure_of(bytes), "") << ending;
+    for (const std::size_t eighths : {1, 4, 7})
+      EXPECT_TRUE(failure_of(bytes.substr(0, bytes.size() * eighths / 8)).starts_with("it cannot be decoded"))
+          << ending << ' ' << eighths;
+  }
+}
+
+// By its markers: an end within a segment, as a thumbnail's, is not the picture's.
+TEST(BreaksOff, IsToldByTheEndMarker) {
+  using namespace std::string_literals;
+  const std::string start = "\xFF\xD8", thumbnail = "\xFF\xE1\x00\x06\xFF\xD8\xFF\xD9"s,
+                    scan = "\xFF\xDA\x00\x02 a\xFF\x00 b\xFF\xD0 c"s, end = "\xFF\xD9";
+  EXPECT_FALSE(BreaksOff(start + thumbnail + scan + end));
+  EXPECT_FALSE(BreaksOff(start + scan + "\xFF\xFF" + end + "what a camera adds")) << "filled up";
+  for (const std::string& cut :
+       {start + thumbnail + scan, start + thumbnail, start + "\xFF\xE1", start + "\xFF\xE1\x7F\xFF and",
+        start + scan + "\xFF", start + scan + std::string(100, '\0')})
+    EXPECT_TRUE(BreaksOff(cut)) << cut.size();
+  EXPECT_FALSE(BreaksOff("\x89PNG")) << "no JPEG";
 }
 
 // A table may name one image as often as it likes, and a folder may have as many as it likes.

@@ -14,7 +14,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
-#include "datasets/images/jpeg_scans.h"
+#include "datasets/images/jpeg_form.h"
 
 namespace cairn::datasets {
 namespace {
@@ -98,7 +98,8 @@ std::string TagDetector::FindInAll(std::string_view images) const {
     cv::Mat grey;
     try {
       const cv::Mat bytes(1, static_cast<int>(length), CV_8U, const_cast<char*>(images.data()));
-      if (length > 0 && !HasTooManyScans(images.substr(0, length)))
+      const std::string_view image = images.substr(0, length);
+      if (length > 0 && !HasTooManyScans(image) && !BreaksOff(image))
         grey = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
     } catch (const cv::Exception&) {
       grey.release();  // too large, or damaged in a way that the codec throws

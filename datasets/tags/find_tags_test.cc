@@ -98,6 +98,7 @@ TEST(TagDetector, TakesImagesOneAfterTheOther) {
   std::string scans(jpeg.begin(), jpeg.end() - 2);
   const std::string last = scans.substr(scans.rfind("\xFF\xDA"));
   EXPECT_EQ(tags.FindInAll(entry(scans + "\xFF\xD9")), "16 16 0\n");
+  EXPECT_EQ(tags.FindInAll(entry(scans)), "!it cannot be decoded\n") << "it breaks off";
   for (int i = 0; i < 100; ++i) scans += last;
   EXPECT_EQ(tags.FindInAll(entry(scans + "\xFF\xD9") + entry(grey)), "!it cannot be decoded\n4 3 0\n");
   // Of an image as long as that the library ends the program.
