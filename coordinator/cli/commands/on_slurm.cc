@@ -161,13 +161,6 @@ void MakeKeys(const fs::path& own) {
            {.roles = {.submitter = true}, .limits = {}, .name = "client"});
 }
 
-// To sbatch %j and the like in the name of a file are the job's number and the like.
-std::string Literally(const fs::path& path) {
-  std::string text;
-  for (const char c : path.string()) text += c == '%' ? "%%" : std::string(1, c);
-  return text;
-}
-
 }  // namespace
 
 std::string OnSlurmScript(const OnSlurmArguments& arguments, const std::string& program,
@@ -202,7 +195,7 @@ int RunOnSlurm(const OnSlurmArguments& arguments) {
   const fs::path program = fs::path(WorkerProgram()).parent_path() / "cairn";
   coordinator::Program sbatch{
       {"sbatch", "--parsable", "--requeue", "--ntasks=1", "--open-mode=append", "--signal=B:TERM@90",
-       "--job-name=cairn-" + out.filename().string(), "--output=" + Literally(own / "log")},
+       "--job-name=cairn-" + out.filename().string(), "--output=" + coordinator::SlurmFileName(own / "log")},
       OnSlurmScript(arguments, program.string(), own.string())};
   sbatch.words.insert(sbatch.words.end(), arguments.sbatch.begin(), arguments.sbatch.end());
   constexpr double kMonth_s = 30 * 86400;  // it may wait for the job

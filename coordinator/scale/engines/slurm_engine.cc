@@ -55,6 +55,12 @@ std::string SlurmFailure(const ProgramOutput& output) {
   return output.failure;
 }
 
+std::string SlurmFileName(const std::string& path) {
+  std::string text;
+  for (const char c : path) text += c == '%' ? "%%" : std::string(1, c);
+  return text;
+}
+
 std::string SlurmJobNumber(const std::string& printed) {
   std::uint64_t number = 0;
   std::string text = printed.substr(0, printed.find_first_of(";\n"));
@@ -150,8 +156,8 @@ Engine::Started SlurmEngine::Start(const std::vector<std::string>& names) {
   Program program{
       {"sbatch", "--parsable", "--job-name=" + names[0], "--array=0-" + std::to_string(names.size() - 1),
        "--no-requeue", "--ntasks=1", "--signal=B:TERM@" + std::to_string(options_.drain_s + 30),
-
-       "--output=" + options_.folder + "/logs/" + options_.prefix + "%A_%a.log", "--open-mode=append"},
+       "--output=" + SlurmFileName(options_.folder + "/logs/" + options_.prefix) + "%A_%a.log",
+       "--open-mode=append"},
       ArrayScript(options_, first)};
   program.words.insert(program.words.end(), options_.sbatch.begin(), options_.sbatch.end());
   const ProgramOutput output = run_(program);

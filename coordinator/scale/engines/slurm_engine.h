@@ -31,6 +31,8 @@ struct SlurmOptions {
 std::string SlurmFailure(const ProgramOutput& output);
 // Of what `sbatch --parsable` printed: NUMBER or NUMBER;CLUSTER. Empty where it is neither.
 std::string SlurmJobNumber(const std::string& printed);
+// The same file for sbatch, to which %j and the like in its name are the job's number and the like.
+std::string SlurmFileName(const std::string& path);
 // The script of an array whose first worker has that number.
 std::string ArrayScript(const SlurmOptions& options, std::uint64_t first);
 // Of `squeue -h -r -o '%j|%K|%t|%N|%r|%i'`; jobs of others are left out. `ids`: by name, what Slurm calls it.

@@ -49,6 +49,18 @@ TEST(SlurmEngine, AsksForAnArrayOfWorkersWhoseNumbersFollowEachOther) {
   EXPECT_EQ(slurm.asked.at(1).words, (std::vector<std::string>{"scancel", "77_1"}));
 }
 
+// %j in a file's name is the job's number to sbatch, but in the part that is meant so.
+TEST(SlurmEngine, LogsLieInTheirFolderWhateverItIsCalled) {
+  Slurm slurm;
+  slurm.answers["sbatch"] = Slurm::Well("77\n");
+  SlurmOptions options = kSlurm;
+  options.folder += "/50%j";
+  slurm.Engine(options).Start({"w-1"});
+  EXPECT_EQ(
+      std::ranges::count(slurm.asked.at(0).words, "--output=" + kSlurm.folder + "/50%%j/logs/w-%A_%a.log"),
+      1);
+}
+
 TEST(SlurmEngine, ReadsWhatIsQueuedAndLeavesOthersJobsAlone) {
   std::map<std::string, std::string> ids;
   const std::vector<EngineWorker> workers = ReadQueue("w-",
