@@ -1,6 +1,9 @@
 #include "pipelines/pipeline.h"
 
+#include <algorithm>
+
 #include "schema/blob_part.h"
+#include "schema/step_limits.h"
 
 namespace cairn {
 
@@ -21,7 +24,7 @@ void ExpectRounds(double rounds, double cost, double width, proto::Step* plan, d
   if (!(rounds > 0)) return;
   proto::Phase& phase = *plan->add_later();
   phase.set_rounds(rounds);
-  phase.set_cost(cost);
+  phase.set_cost(std::min(cost, kMostAmount));
   phase.set_width(width);
   if (least == 1 && most == 1) return;
   phase.set_least(least);

@@ -9,4 +9,7 @@ namespace cairn {
 // some dozens.
 inline constexpr std::size_t kMostFigures = 20'000;
 
+// Of what a step costs, or expects to follow it: sums of more would be no times.
+inline constexpr double kMostAmount = 1e15;
+
 }  // namespace cairn

@@ -20,8 +20,6 @@ constexpr int kMostTasks = 200'000;
 constexpr std::size_t kMostInputs = 500'000;  // each takes the coordinator a kilobyte
 constexpr std::size_t kMostParameters = 500'000;
 
-constexpr double kMostAmount = 1e15;  // sums of more would be no times
-
 bool IsAmount(double value) { return value >= 0 && value <= kMostAmount; }
 
 std::string CheckTask(const proto::Task& task, std::uint32_t place) {

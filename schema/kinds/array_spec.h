@@ -46,6 +46,10 @@ constexpr Values Positive() { return Between(std::numeric_limits<double>::denorm
 constexpr Values Above0() { return {.least = std::numeric_limits<double>::denorm_min()}; }
 constexpr Values Share() { return {.least = 0, .most = 1, .slack = 1e-9}; }
 constexpr Values YesNo() { return Between(0, 1); }
+// How far a sensor measures, m: of one that reaches further nobody has heard.
+constexpr Values Reach() { return Between(std::numeric_limits<double>::denorm_min(), 1e4); }
+// As it is measured, or added up over many turns.
+constexpr Values Angle() { return Between(-1e9, 1e9); }
 // A coordinate that something has on a map, m.
 constexpr Values Position() { return Between(-1e9, 1e9); }
 constexpr Values IndexInto(std::string_view array) { return {.least = 0, .index_into = array}; }

@@ -174,6 +174,26 @@ TYPED_TEST(Struct, RefusesATableWithoutAColumnThatItNeeds) {
   EXPECT_GE(needed, 2);
 }
 
+// What no sensor does is said where the log is read: a plan that is made of it would be at fault.
+TEST(Log, RefusesAReachOrABeamThatNoSensorHas) {
+  const auto failure_of = [](const std::string& name, const Array& value) {
+    Blob blob = Filled(ArraysOf<kinds::Log>());
+    blob.Put(name, value);
+    try {
+      CheckArrays(blob, ArraysOf<kinds::Log>());
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string reach = "robot/0/laser2/max_range_m", beams = "robot/0/laser2/beam_heading_rad";
+  EXPECT_EQ(failure_of(reach, Array::Scalar<double>(1e4)), "");
+  EXPECT_EQ(failure_of(reach, Array::Scalar<double>(1e6)),
+            "'" + reach + "': 1000000, where a number above 0, to 10000 is needed");
+  const std::string turned = failure_of(beams, Array::Of({2}, std::vector<double>{0, 1e300}));
+  EXPECT_TRUE(turned.starts_with("'" + beams + "', entry 1: 1e+300, where -1e+09 to 1e+09")) << turned;
+}
+
 TEST(KindOf, GoesByTheArraysThatAKindMustHave) {
   Blob blob;
   EXPECT_EQ(KindOf(blob), "result");

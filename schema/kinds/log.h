@@ -45,11 +45,11 @@ struct Log {
       field(Needed("range_m", "K,B", NotNegative().OrNan()), &RangeSensor::range_m);
       field(Needed("beam_x_m", "B", Position()), &RangeSensor::beam_x_m);
       field(Needed("beam_y_m", "B", Position()), &RangeSensor::beam_y_m);
-      field(Needed("beam_heading_rad", "B", Finite()), &RangeSensor::beam_heading_rad);
+      field(Needed("beam_heading_rad", "B", Angle()), &RangeSensor::beam_heading_rad);
       field({"intensity", "K,B", Free()}, &RangeSensor::intensity);
-      field({"turret_rad", "K", Finite()}, &RangeSensor::turret_rad);
+      field({"turret_rad", "K", Angle()}, &RangeSensor::turret_rad);
       field(Needed("opening_rad", "", Between(0, 3.15)), &RangeSensor::opening_rad);
-      field(Needed("max_range_m", "", Positive()), &RangeSensor::max_range_m);
+      field(Needed("max_range_m", "", Reach()), &RangeSensor::max_range_m);
     }
   };
   struct Robot {

@@ -28,7 +28,7 @@ struct PoseTable {
     field(Needed("time_s", "P", Rising()), &PoseTable::time_s);
     field(Needed("x_m", "P", Position()), &PoseTable::x_m);
     field(Needed("y_m", "P", Position()), &PoseTable::y_m);
-    field(Needed("heading_rad", "P", Finite()), &PoseTable::heading_rad);
+    field(Needed("heading_rad", "P", Angle()), &PoseTable::heading_rad);
   }
 };
 
