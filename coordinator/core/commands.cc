@@ -88,8 +88,8 @@ void Core::On(const PauseJob& event) {
   if (job == nullptr) return;
   if (job->held) return AnswerAsItStands(*job, event.asker);
   AnswerWhenSaved(*job, event.asker, job->Stands());
-  SetState(*job, proto::JOB_PAUSED, "paused by its owner");
-  Say(Report::kInfo, *job, job->reason);
+  SetState(*job, proto::JOB_PAUSED, "paused by " + (event.by.empty() ? "its owner" : event.by));
+  Say(Report::kInfo, *job, event.by.empty() ? job->reason : "paused");
   job->held = true;
   WantSave(*job, true);
 }

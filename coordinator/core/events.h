@@ -66,6 +66,7 @@ struct SubmitJob {
 struct PauseJob {
   std::string id;
   std::string asker = {};
+  std::string by = {};  // who that is, for people, where it is not the job's owner
 };
 struct ResumeJob {
   std::string id;

@@ -105,7 +105,7 @@ struct Job {
   proto::JobState state = proto::JOB_RUNNING;
   std::string reason;
   bool input_error = false;
-  bool held = false;  // paused by its owner: stays so, and is saved
+  bool held = false;  // paused by its owner, or an administrator: stays so, and is saved
   std::uint32_t stage = 0;
   std::uint64_t round = 0;
   std::optional<proto::Step> step;   // that planned `round`; none: the stage's START is due

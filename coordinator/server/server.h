@@ -191,7 +191,8 @@ class Server {
   void AnswerLog(const std::string& peer, const std::string& user, const wire::JobQuery& query);
   std::string WhatIsWrong(const wire::JobQuery& query) const;
   std::string WhatIsWrong(const wire::WorkerQuery& query) const;
-  void Obey(const std::string& peer, const wire::JobQuery& query, JobCommand command);
+  void Obey(const std::string& peer, const std::string& user, const wire::JobQuery& query,
+            JobCommand command);
   void Reply(const std::string& peer, wire::Message reply);
   std::string NewJobId(const proto::Job& job);
   std::vector<Hash> KeepBlobs(const std::vector<wire::NamedBlob>& blobs);

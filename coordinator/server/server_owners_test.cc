@@ -164,6 +164,15 @@ TEST_F(Owners, WhatAnotherHasSubmittedIsKnownAndStaysHis) {
   EXPECT_FALSE(hers.jobs(0).foreign());
 }
 
+TEST_F(Owners, WhoPausesAnothersJobIsNamed) {
+  const std::string job = AJob();
+  const wire::JobInfo paused = Ask(worker_, Query("pause", job)).reply().jobs(0);
+  EXPECT_EQ(paused.state(), "paused");
+  EXPECT_EQ(paused.reason(), "paused by chief (" + wire::ShortKey(worker_) + ")");
+  EXPECT_TRUE(Ask(submitter_, Query("resume", job)).reply().ok());
+  EXPECT_EQ(Ask(submitter_, Query("pause", job)).reply().jobs(0).reason(), "paused by its owner");
+}
+
 // He could neither resume nor cancel it.
 TEST_F(Owners, WhatAnotherHasPausedHoldsNobodysOwn) {
   const std::string job = AJob();

@@ -160,7 +160,7 @@ void Server::Serve(const std::string& peer, const std::string& user, const wire:
   const auto command = CommandOf(query.action());
   if (const std::string over = command == JobCommand::kRetry ? WhyNoMoreJobs(user) : ""; !over.empty())
     return RefuseAsUnable(peer, wire::RefusalKind::kQuota, over);
-  if (command) return Obey(peer, query, *command);
+  if (command) return Obey(peer, user, query, *command);
   if (query.action() == "logs") return AnswerLog(peer, user, query);
   const std::string& action = query.action();
   if (action == "results" || action == "so_far" || action == "inputs")
@@ -249,11 +249,15 @@ void Server::AnswerLog(const std::string& peer, const std::string& user, const w
 }
 
 // The core answers, once it is durable: what a service said it did, a crash does not undo.
-void Server::Obey(const std::string& peer, const wire::JobQuery& query, JobCommand command) {
+void Server::Obey(const std::string& peer, const std::string& user, const wire::JobQuery& query,
+                  JobCommand command) {
   const std::string& id = query.job();
   switch (command) {
     case JobCommand::kPause:
-      return Handle(PauseJob{id, peer});
+      // Whoever looks after the fleet is told of what no owner did.
+      return Handle(PauseJob{
+          id, peer,
+          access_control_.OwnerOf(user) == core_.FindJob(id)->owner ? "" : access_control_.NameOf(user)});
     case JobCommand::kResume:
       return Handle(ResumeJob{id, peer});
     case JobCommand::kCancel:

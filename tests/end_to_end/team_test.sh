@@ -59,6 +59,10 @@ exits 0 as bob cancel --name '*'
 [ "$(cat stdout)" = "$bobs is cancelled" ] || die "bob's pattern took more than his: $(cat stdout)"
 refuses 'belongs to bob' as ann delete "$bobs"
 exits 0 as chief pause "$anns"
+exits 0 as ann status "$anns"
+says '^reason +paused by chief \('
+exits 1 as chief status --check
+says '^CAIRN WARNING: .*1 job paused, not by the owner'
 exits 0 as ann resume "$anns"
 
 # Two jobs at a time, and a key that is about to end.

@@ -52,6 +52,8 @@ TEST(ServiceCheck, WarnsOfJobsThatAreNotPausedByTheirOwner) {
   coordinator::JobList list = Jobs({"paused"});
   list.jobs[0].set_reason("paused by its owner");
   EXPECT_EQ(CheckService(list, {}).code, 0);
+  list.jobs[0].set_reason("paused by chief (Yx8f…)");
+  EXPECT_EQ(CheckService(list, {}).code, 1) << "an administrator";
   list.jobs[0].set_reason("cannot save: a full disk");
   EXPECT_EQ(CheckService(list, {}).code, 1);
 }
