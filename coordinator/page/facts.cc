@@ -33,6 +33,9 @@ void FleetTimes::Add(const std::vector<wire::WorkerInfo>& workers, double now_s)
     here.insert(worker.number());
     OfWorker& of = workers_[worker.number()];
     of.name = NameOf(worker);
+    // A coordinator that is started again gives its workers the same numbers.
+    if (worker.joined_s() > 0 && !of.spans.empty() && of.spans.front().end_s < now_s - worker.joined_s())
+      std::erase_if(of.spans, [&](const TaskSpan& span) { return span.end_s < now_s - worker.joined_s(); });
     while (!of.spans.empty() && (of.spans.front().end_s < now_s - kKept_s || of.spans.size() > kMostSpans))
       of.spans.pop_front();
     if (worker.assigned() == 0 || worker.task().empty()) continue;

@@ -39,6 +39,17 @@ TEST(FleetTimes, ATaskThatGoesOnIsOneSpanAndAnotherIsAnother) {
   EXPECT_DOUBLE_EQ(spans[2].begin_s, 13.9);
 }
 
+TEST(FleetTimes, WhatAnEarlierWorkerOfTheNumberDidIsNotItsOwn) {
+  FleetTimes times;
+  times.Add(Busy("7-a: task 0", 0.5), 10);
+  std::vector<wire::WorkerInfo> workers = Busy("7-b: task 0", 0.5);
+  workers[0].set_joined_s(2);
+  times.Add(workers, 20);
+  const auto& spans = times.workers().at(1).spans;
+  ASSERT_EQ(spans.size(), 1u);
+  EXPECT_EQ(spans[0].job, "7-b");
+}
+
 TEST(FleetTimes, StayBoundedForADay) {
   FleetTimes times;
   for (int i = 0; i < 4 * 86400; ++i)

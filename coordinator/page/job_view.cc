@@ -6,6 +6,7 @@
 #include <map>
 
 #include "coordinator/page/html.h"
+#include "schema/hash.h"
 #include "schema/text.h"
 #include "schema/wire/keys.h"
 
@@ -203,7 +204,10 @@ std::string ResultHtml(const wire::JobInfo& job, const ResultFiles* results) {
   const std::uint32_t done = StagesDone(job);
   if (done == 0) return "";
   const std::string base = "/jobs/" + UrlPart(job.id());
-  const std::string version = "?stages=" + std::to_string(done);
+  const Result<Hash> mark = Hash::FromBinary(job.mark());
+  // A browser shows no picture again that has the address of the one before.
+  const std::string version =
+      "?stages=" + std::to_string(done) + (mark.ok() ? "&amp;of=" + mark.value().Hex() : "");
   std::string links = "<a class=\"button\" href=\"" + base + "/report" + version + "\">Report</a>\n";
   if (results != nullptr)
     for (const std::string& stage : results->stages)

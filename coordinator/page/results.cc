@@ -8,11 +8,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string KeyOf(const std::string& job, std::uint32_t stages_done) {
-  return job + "/" + std::to_string(stages_done);
+// Another store gives the same ids.
+std::string KeyOf(const ResultsOf& what) {
+  return what.job + "/" + what.mark + "/" + std::to_string(what.stages_done);
 }
 
-std::string SoFarKey(const std::string& job) { return job + "/so far"; }
+std::string SoFarKey(const ResultsOf& what) { return what.job + "/" + what.mark + "/so far"; }
 
 FetchedResults LookInto(const fs::path& folder) {
   FetchedResults fetched{.folder = folder};
@@ -62,9 +63,9 @@ void ResultsCache::Await(Errands* errands, const std::string& key, const Make& m
   if (refused) then({.trouble = "Too many results are being fetched: try again soon."});
 }
 
-void ResultsCache::Fetch(const std::string& job, std::uint32_t stages_done, Then then) {
+void ResultsCache::Fetch(const ResultsOf& what, Then then) {
   Await(
-      &errands_, KeyOf(job, stages_done), [this, job](const fs::path& folder) { return Bring(job, folder); },
+      &errands_, KeyOf(what), [this, job = what.job](const fs::path& folder) { return Bring(job, folder); },
       then);
 }
 
@@ -78,37 +79,33 @@ void ResultsCache::Compare(const Compared& what, Then then) {
   };
   const auto compare = [this, what, then] {
     Await(
-        &comparing_,
-        "compare " + KeyOf(what.one, what.one_stages) + " " + KeyOf(what.other, what.other_stages) + " " +
-            what.log.string(),
+        &comparing_, "compare " + KeyOf(what.one) + " " + KeyOf(what.other) + " " + what.log.string(),
         [this, what](const fs::path& folder) { return MakeComparison(what, folder); }, then);
   };
-  const auto fetch_other = [this, what, with, compare] {
-    Fetch(what.other, what.other_stages, with(what.other, compare));
-  };
-  Fetch(what.one, what.one_stages, with(what.one, fetch_other));
+  const auto fetch_other = [this, what, with, compare] { Fetch(what.other, with(what.other.job, compare)); };
+  Fetch(what.one, with(what.one.job, fetch_other));
 }
 
-std::shared_ptr<const FetchedResults> ResultsCache::Fetched(const std::string& job,
-                                                            std::uint32_t stages_done) {
+std::shared_ptr<const FetchedResults> ResultsCache::Fetched(const ResultsOf& what) {
   const std::lock_guard lock(mutex_);
-  const auto kept = kept_.find(KeyOf(job, stages_done));
+  const auto kept = kept_.find(KeyOf(what));
   return kept == kept_.end() ? nullptr : kept->second;
 }
 
-std::shared_ptr<const FetchedResults> ResultsCache::SoFar(const std::string& job,
-                                                          const std::string& version) {
+std::shared_ptr<const FetchedResults> ResultsCache::SoFar(const wire::JobInfo& job) {
+  const ResultsOf what = ResultsNow(job);
+  const std::string key = SoFarKey(what), version = job.so_far();
   const std::lock_guard lock(mutex_);
-  if (running_.size() >= kMostKept && !running_.contains(job))
+  if (running_.size() >= kMostKept && !running_.contains(key))
     std::erase_if(running_, [](const auto& of) { return !of.second.under_way; });
-  OfRunning& of = running_[job];
+  OfRunning& of = running_[key];
   if (of.version != version && !of.under_way && std::chrono::steady_clock::now() >= of.not_before)
-    of.under_way = errands_.Add([this, job, version] { BringSoFar(job, version); });
-  const auto kept = kept_.find(SoFarKey(job));
+    of.under_way = errands_.Add([this, what, version] { BringSoFar(what, version); });
+  const auto kept = kept_.find(key);
   return kept == kept_.end() ? nullptr : kept->second;
 }
 
-void ResultsCache::BringSoFar(const std::string& job, const std::string& version) {
+void ResultsCache::BringSoFar(const ResultsOf& what, const std::string& version) {
   constexpr int kShare = 4;
   const auto begin = std::chrono::steady_clock::now();
   fs::path folder;
@@ -116,15 +113,15 @@ void ResultsCache::BringSoFar(const std::string& job, const std::string& version
     const std::lock_guard lock(mutex_);
     folder = folder_.path() / std::to_string(++folders_);
   }
-  const auto made = std::make_shared<const FetchedResults>(Bring(job, folder, {"--so-far"}));
+  const auto made = std::make_shared<const FetchedResults>(Bring(what.job, folder, {"--so-far"}));
   const std::lock_guard lock(mutex_);
   const auto end = std::chrono::steady_clock::now();
-  OfRunning& of = running_[job];
+  OfRunning& of = running_[SoFarKey(what)];
   of = {.version = version, .under_way = false, .not_before = end + kShare * (end - begin)};
   std::error_code ignored;
   // What was there before stays where nothing came: the stage may just have ended.
   if (made->trouble.empty())
-    Keep(SoFarKey(job), made);
+    Keep(SoFarKey(what), made);
   else
     fs::remove_all(folder, ignored);
 }
@@ -174,12 +171,12 @@ FetchedResults ResultsCache::Bring(const std::string& job, const fs::path& folde
 }
 
 // As it stays whatever becomes of what is kept meanwhile. False: it is not kept any more.
-bool ResultsCache::LayInto(const fs::path& folder, const std::string& job, std::uint32_t stages_done) {
+bool ResultsCache::LayInto(const fs::path& folder, const ResultsOf& what) {
   const std::lock_guard lock(mutex_);
-  const auto kept = kept_.find(KeyOf(job, stages_done));
+  const auto kept = kept_.find(KeyOf(what));
   if (kept == kept_.end()) return false;
   std::error_code error;
-  fs::copy(kept->second->folder, folder / job,
+  fs::copy(kept->second->folder, folder / what.job,
            fs::copy_options::create_hard_links | fs::copy_options::recursive, error);
   return !error;
 }
@@ -188,14 +185,14 @@ bool ResultsCache::LayInto(const fs::path& folder, const std::string& job, std::
 FetchedResults ResultsCache::MakeComparison(const Compared& what, const fs::path& folder) {
   std::error_code error;
   fs::create_directory(folder, error);
-  if (!LayInto(folder, what.one, what.one_stages) ||
-      (what.other != what.one && !LayInto(folder, what.other, what.other_stages)))
+  const std::string &one = what.one.job, &other = what.other.job;
+  if (!LayInto(folder, what.one) || (other != one && !LayInto(folder, what.other)))
     return {.folder = folder, .trouble = "These two cannot be laid beside each other here: try again."};
-  std::vector<std::string> words = {"report", "--out=" + std::string(kComparison), "--beside=" + what.other};
+  std::vector<std::string> words = {"report", "--out=" + std::string(kComparison), "--beside=" + other};
   if (!what.log.empty()) words.push_back("--log=" + what.log.string());
-  words.insert(words.end(), {"--", what.one});
+  words.insert(words.end(), {"--", one});
   const std::string trouble = compares_.Run(words, options_.comparing, folder).trouble;
-  for (const std::string& job : {what.one, what.other}) fs::remove_all(folder / job, error);
+  for (const std::string& job : {one, other}) fs::remove_all(folder / job, error);
   return {.folder = folder, .trouble = trouble.empty() ? "" : "They cannot be compared: " + trouble};
 }
 

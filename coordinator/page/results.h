@@ -1,5 +1,6 @@
-// Results of jobs in a folder of the page's own: `cairn results` fetches them and makes the report and the
-// pictures, in a process of its own, so that nothing of what a result holds is read in this one.
+// Results of jobs, by their ids and marks, in a folder of the page's own: `cairn results` fetches them and
+// makes the report and the pictures, in a process of its own, so that nothing of what a result holds is read
+// in this one.
 #pragma once
 
 #include <chrono>
@@ -37,13 +38,13 @@ class ResultsCache {
   ResultsCache(const ResultsCache&) = delete;
   ResultsCache& operator=(const ResultsCache&) = delete;
 
-  void Fetch(const std::string& job, std::uint32_t stages_done, Then then);
+  void Fetch(const ResultsOf& what, Then then);
   // `folder` holds the page, kComparison.
   void Compare(const Compared& what, Then then);
-  std::shared_ptr<const FetchedResults> Fetched(const std::string& job, std::uint32_t stages_done);
-  // What came last of the map of the stage under way, null: nothing yet. Another `version` is fetched in its
+  std::shared_ptr<const FetchedResults> Fetched(const ResultsOf& what);
+  // What came last of the map of the stage under way, null: nothing yet. Another version is fetched in its
   // place, but so that no more than a part of the time goes there.
-  std::shared_ptr<const FetchedResults> SoFar(const std::string& job, const std::string& version);
+  std::shared_ptr<const FetchedResults> SoFar(const wire::JobInfo& job);
 
  private:
   // In that folder, which goes again where there is trouble.
@@ -54,9 +55,9 @@ class ResultsCache {
   std::shared_ptr<const FetchedResults> Made(const std::string& key, const Make& make);
   FetchedResults Bring(const std::string& job, const std::filesystem::path& folder,
                        const std::vector<std::string>& more = {});
-  void BringSoFar(const std::string& job, const std::string& version);
+  void BringSoFar(const ResultsOf& what, const std::string& version);
   FetchedResults MakeComparison(const Compared& what, const std::filesystem::path& folder);
-  bool LayInto(const std::filesystem::path& folder, const std::string& job, std::uint32_t stages_done);
+  bool LayInto(const std::filesystem::path& folder, const ResultsOf& what);
   void Keep(const std::string& key, const std::shared_ptr<const FetchedResults>& fetched);
 
   ResultsOptions options_;
@@ -73,7 +74,7 @@ class ResultsCache {
     bool under_way = false;
     std::chrono::steady_clock::time_point not_before = {};
   };
-  std::map<std::string, OfRunning> running_;  // jobs of which a map so far was asked for
+  std::map<std::string, OfRunning> running_;  // by SoFarKey, jobs of which a map so far was asked for
 
   Errands errands_{32}, comparing_{32};  // the last to begin, the first to end
 };

@@ -21,9 +21,9 @@ class ResultsTest : public ::testing::Test {
     cache_ = std::make_unique<ResultsCache>(ResultsOptions{
         .program = script_.program(), .service = {"--connect=ipc:///x/y"}, .folder = base_ / "cache"});
   }
-  FetchedResults Fetch(const std::string& job, std::uint32_t stages = 1) {
+  FetchedResults Fetch(const std::string& job, std::uint32_t stages = 1, const std::string& mark = "") {
     std::promise<FetchedResults> promise;
-    cache_->Fetch(job, stages, [&](const FetchedResults& fetched) { promise.set_value(fetched); });
+    cache_->Fetch({job, mark, stages}, [&](const FetchedResults& fetched) { promise.set_value(fetched); });
     return promise.get_future().get();
   }
   std::string Words() const { return script_.Words(); }
@@ -33,12 +33,21 @@ class ResultsTest : public ::testing::Test {
   std::unique_ptr<ResultsCache> cache_;
 };
 
+wire::JobInfo Running(const std::string& so_far, const std::string& mark = "") {
+  wire::JobInfo job;
+  job.set_id("1-a");
+  job.set_mark(mark);
+  job.set_stages(1);
+  job.set_so_far(so_far);
+  return job;
+}
+
 constexpr const char* kLeavesResults =
     "mkdir -p \"$OUT\" && cd \"$OUT\" && touch b.h5 a.h5 report.html picture.png";
 
 TEST_F(ResultsTest, AreFetchedOnceAJobAndStage) {
   Make(kLeavesResults);
-  EXPECT_EQ(cache_->Fetched("1-a", 1), nullptr);
+  EXPECT_EQ(cache_->Fetched({"1-a", "", 1}), nullptr);
   const FetchedResults fetched = Fetch("1-a");
   EXPECT_EQ(fetched.trouble, "");
   EXPECT_EQ(fetched.files.stages, (std::vector<std::string>{"a", "b"}));
@@ -46,7 +55,7 @@ TEST_F(ResultsTest, AreFetchedOnceAJobAndStage) {
   EXPECT_EQ(fetched.picture, "picture.png");
   EXPECT_TRUE(fs::exists(fetched.folder / "report.html"));
   EXPECT_EQ(Fetch("1-a").folder, fetched.folder);
-  ASSERT_NE(cache_->Fetched("1-a", 1), nullptr);
+  ASSERT_NE(cache_->Fetched({"1-a", "", 1}), nullptr);
   EXPECT_NE(Fetch("1-a", 2).folder, fetched.folder) << "another stage is done";
   const std::string words = Words();
   EXPECT_EQ(std::count(words.begin(), words.end(), '\n'), 2) << words;
@@ -55,10 +64,27 @@ TEST_F(ResultsTest, AreFetchedOnceAJobAndStage) {
       << "an id is never taken for an option";
 }
 
+// After `cairn restore`, or in a new store, another job has the id of one whose results are here.
+TEST_F(ResultsTest, OfAnotherJobWithTheSameIdAreFetchedAnew) {
+  Make(kLeavesResults);
+  const FetchedResults first = Fetch("1-a", 1, "one");
+  EXPECT_EQ(cache_->Fetched({"1-a", "two", 1}), nullptr);
+  const FetchedResults second = Fetch("1-a", 1, "two");
+  EXPECT_NE(second.folder, first.folder);
+  EXPECT_EQ(Fetch("1-a", 1, "one").folder, first.folder);
+  const auto until_there_is = [this](const std::string& mark) {
+    for (;; std::this_thread::yield())
+      if (const auto map = cache_->SoFar(Running("so", mark))) return map->folder;
+  };
+  const fs::path map = until_there_is("one");
+  EXPECT_EQ(cache_->SoFar(Running("so", "two")), nullptr);
+  EXPECT_NE(until_there_is("two"), map);
+}
+
 TEST_F(ResultsTest, WhyThereAreNoneIsASentenceAndItIsTriedAgain) {
   Make("echo 'cairn: job 1-a has no results yet' >&2; exit 2");
   EXPECT_EQ(Fetch("1-a").trouble, "The results could not be fetched: job 1-a has no results yet");
-  EXPECT_EQ(cache_->Fetched("1-a", 1), nullptr);
+  EXPECT_EQ(cache_->Fetched({"1-a", "", 1}), nullptr);
   Make(kLeavesResults);
   EXPECT_EQ(Fetch("1-a").trouble, "");
   fs::remove(base_ / "cairn");
@@ -80,12 +106,12 @@ TEST_F(ResultsTest, OfAJobThatRunsTheLatestMapIsKept) {
   Make(kLeavesResults);
   const auto until = [&](const std::string& version, const fs::path& but) {
     for (;;) {
-      const auto map = cache_->SoFar("1-a", version);
+      const auto map = cache_->SoFar(Running(version));
       if (map && map->folder != but) return *map;
       std::this_thread::yield();
     }
   };
-  EXPECT_EQ(cache_->SoFar("1-a", "one"), nullptr);
+  EXPECT_EQ(cache_->SoFar(Running("one")), nullptr);
   const FetchedResults first = until("one", "");
   EXPECT_TRUE(first.files.has_report);
   EXPECT_NE(Words().find(" --so-far -- 1-a\n"), std::string::npos) << Words();
@@ -93,20 +119,20 @@ TEST_F(ResultsTest, OfAJobThatRunsTheLatestMapIsKept) {
   EXPECT_FALSE(fs::exists(first.folder));
   EXPECT_TRUE(fs::exists(second.folder));
   script_.Forget();
-  for (int i = 0; i < 1000; ++i) EXPECT_EQ(cache_->SoFar("1-a", "two")->folder, second.folder);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(cache_->SoFar(Running("two"))->folder, second.folder);
   EXPECT_EQ(Words(), "") << "it is here";
   script_.Does("exit 2");
-  while (Words().empty()) EXPECT_EQ(cache_->SoFar("1-a", "three")->folder, second.folder);
-  EXPECT_EQ(cache_->SoFar("1-a", "three")->folder, second.folder);
+  while (Words().empty()) EXPECT_EQ(cache_->SoFar(Running("three"))->folder, second.folder);
+  EXPECT_EQ(cache_->SoFar(Running("three"))->folder, second.folder);
 }
 
 TEST_F(ResultsTest, OfManyJobsTheLatestAreKept) {
   Make(kLeavesResults);
   const FetchedResults first = Fetch("0-a");
   for (std::size_t i = 1; i <= ResultsCache::kMostKept; ++i) Fetch(std::to_string(i) + "-a");
-  EXPECT_EQ(cache_->Fetched("0-a", 1), nullptr);
+  EXPECT_EQ(cache_->Fetched({"0-a", "", 1}), nullptr);
   EXPECT_FALSE(fs::exists(first.folder));
-  EXPECT_NE(cache_->Fetched("1-a", 1), nullptr);
+  EXPECT_NE(cache_->Fetched({"1-a", "", 1}), nullptr);
 }
 
 TEST_F(ResultsTest, TwoAreLaidBesideEachOtherUnderTheirJobsNames) {
@@ -118,21 +144,24 @@ TEST_F(ResultsTest, TwoAreLaidBesideEachOtherUnderTheirJobsNames) {
   Make(std::string("case $1 in report) test -e 1-a/a.h5 && test -e 2-b/a.h5 && echo page >comparison.html;; "
                    "*) ") +
        kLeavesResults + ";; esac");
-  const FetchedResults made = compare({"1-a", "2-b", 1, 2, "/brought/3/log.h5"});
+  const FetchedResults made = compare({{"1-a", "", 1}, {"2-b", "", 2}, "/brought/3/log.h5"});
   EXPECT_EQ(made.trouble, "");
   EXPECT_TRUE(fs::exists(made.folder / kComparison));
   EXPECT_NE(Words().find("report --out=comparison.html --beside=2-b --log=/brought/3/log.h5 -- 1-a\n"),
             std::string::npos)
       << Words();
-  EXPECT_EQ(compare({"1-a", "2-b", 1, 2, "/brought/3/log.h5"}).folder, made.folder);
-  EXPECT_EQ(Fetch("1-a").folder, cache_->Fetched("1-a", 1)->folder) << "each was fetched once, and is kept";
+  EXPECT_EQ(compare({{"1-a", "", 1}, {"2-b", "", 2}, "/brought/3/log.h5"}).folder, made.folder);
+  EXPECT_EQ(Fetch("1-a").folder, cache_->Fetched({"1-a", "", 1})->folder)
+      << "each was fetched once, and is kept";
   const std::string words = Words();
   EXPECT_EQ(std::count(words.begin(), words.end(), '\n'), 3) << words;
   Make("case $1 in report) echo 'cairn: no result is of the kind' >&2; exit 2;; *) " +
        std::string(kLeavesResults) + ";; esac");
-  EXPECT_EQ(compare({"1-a", "2-b", 1, 1}).trouble, "They cannot be compared: no result is of the kind");
+  EXPECT_EQ(compare({{"1-a", "", 1}, {"2-b", "", 1}}).trouble,
+            "They cannot be compared: no result is of the kind");
   Make("echo 'cairn: there is no job' >&2; exit 2");
-  EXPECT_EQ(compare({"1-a", "2-b", 1, 1}).trouble, "1-a: The results could not be fetched: there is no job");
+  EXPECT_EQ(compare({{"1-a", "", 1}, {"2-b", "", 1}}).trouble,
+            "1-a: The results could not be fetched: there is no job");
 }
 
 TEST_F(ResultsTest, AComparisonThatTakesLongKeepsNobodyFromResultsAndIsEnded) {
@@ -141,7 +170,8 @@ TEST_F(ResultsTest, AComparisonThatTakesLongKeepsNobodyFromResultsAndIsEnded) {
                    "echo page >comparison.html; [ ! -e \"$BASE/hangs\" ] || exec sleep 3600; else ") +
        "[ $JOB != 3-c ] || : >\"$BASE/fetched\"; " + kLeavesResults + "; fi");
   std::promise<FetchedResults> made;
-  cache_->Compare({"1-a", "2-b", 1, 1}, [&](const FetchedResults& results) { made.set_value(results); });
+  cache_->Compare({{"1-a", "", 1}, {"2-b", "", 1}},
+                  [&](const FetchedResults& results) { made.set_value(results); });
   EXPECT_EQ(Fetch("3-c").trouble, "");  // else both would wait for each other
   EXPECT_EQ(made.get_future().get().trouble, "");
 #ifndef CAIRN_SANITIZED
@@ -151,7 +181,8 @@ TEST_F(ResultsTest, AComparisonThatTakesLongKeepsNobodyFromResultsAndIsEnded) {
   cache_ = std::make_unique<ResultsCache>(ResultsOptions{
       .program = script_.program(), .service = {}, .folder = base_ / "cache", .comparing = {.time_s = 0.2}});
   std::promise<FetchedResults> ended;
-  cache_->Compare({"1-a", "2-b", 1, 1}, [&](const FetchedResults& results) { ended.set_value(results); });
+  cache_->Compare({{"1-a", "", 1}, {"2-b", "", 1}},
+                  [&](const FetchedResults& results) { ended.set_value(results); });
   EXPECT_EQ(ended.get_future().get().trouble, "They cannot be compared: it took too long, and was ended");
 }
 
@@ -179,7 +210,7 @@ TEST_F(ResultsTest, TheFolderGoesWithItsProcessAndWithTheNextWhereItWasKilled) {
 TEST_F(ResultsTest, EndsThoughAFetchHangs) {
   Make("exec sleep 3600");
   std::promise<void> ended;
-  cache_->Fetch("1-a", 1, [&](const FetchedResults&) { ended.set_value(); });
+  cache_->Fetch({"1-a", "", 1}, [&](const FetchedResults&) { ended.set_value(); });
   while (Words().empty()) std::this_thread::yield();
   cache_.reset();
   ended.get_future().get();

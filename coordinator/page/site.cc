@@ -270,7 +270,7 @@ void Site::AnswerJob(const std::string& job, const std::string& what, const Repl
     const wire::JobInfo* info = facts->Find(job);
     if (info == nullptr) return reply->Send(NotHere());
     if (what == "/so-far") return self->AnswerSoFar(*info, reply);
-    const HistoryPtr history = self->source_->HistoryOf(job);
+    const HistoryPtr history = self->source_->HistoryOf(*info);
     if (what == "/rounds.csv")
       return reply->Send(
           WithHeaders({.body = RoundsCsv(history ? history->rounds() : std::vector<RoundLine>()),
@@ -298,7 +298,7 @@ void Site::AnswerComparison(const HttpRequest& request, const Reply& reply) {
     if (one == other) return refuse("Both are the same job.");
     for (const wire::JobInfo* job : {one, other})
       if (StagesDone(*job) == 0) return refuse(job->id() + " has no result yet.");
-    Compared what{one->id(), other->id(), StagesDone(*one), StagesDone(*other)};
+    Compared what{ResultsNow(*one), ResultsNow(*other)};
     if (const std::string file = request.Query("log"); !file.empty() && self->options_.desk != nullptr) {
       what.log = self->options_.desk->WhereIs(file);
       if (what.log.empty()) return refuse("That file is not here any more: bring it again.");
@@ -312,7 +312,7 @@ void Site::AnswerComparison(const HttpRequest& request, const Reply& reply) {
 
 // What is shown is the one that is there, whatever version a page asks for.
 void Site::AnswerSoFar(const wire::JobInfo& job, const Reply& reply) {
-  const auto so_far = source_->SoFar(job.id(), job.so_far());
+  const auto so_far = source_->SoFar(job);
   if (!so_far || !so_far->files.has_report)
     return reply->Send(Sentence(404, "No map yet", "<p>There is no map of this job to see yet.</p>"));
   reply->Send(WithHeaders({.type = kHtml, .file = so_far->folder / "report.html"}, kFramedReportPolicy));
@@ -323,29 +323,27 @@ void Site::AnswerFile(const wire::JobInfo& job, const std::string& what, const R
   const std::string files = "/files/";
   if (!picture && !report && !what.starts_with(files)) return reply->Send(NotHere());
   const std::string file = what.starts_with(files) ? what.substr(files.size()) : "";
-  source_->FetchResults(
-      job.id(), StagesDone(job), [picture, report, file, reply](const FetchedResults& fetched) {
-        if (picture) {
-          if (!fetched.trouble.empty() || fetched.picture.empty())
-            return reply->Send(
-                SentenceAsPicture(fetched.trouble.empty() ? "This result has no picture." : fetched.trouble));
-          return reply->Send(WithHeaders({.type = "image/png", .file = fetched.folder / fetched.picture}));
-        }
-        if (!fetched.trouble.empty())
-          return reply->Send(Sentence(404, "No result", "<p>" + Text(fetched.trouble) + "</p>"));
-        if (report && fetched.files.has_report)
-          return reply->Send(
-              WithHeaders({.type = kHtml, .file = fetched.folder / "report.html"}, kReportPolicy));
-        for (const std::string& stage : fetched.files.stages) {
-          if (file != stage + ".h5") continue;
-          HttpAnswer answer{.type = "application/x-hdf5", .file = fetched.folder / file};
-          answer.headers.emplace_back("Content-Disposition",
-                                      "attachment; filename=\"" + UrlPart(stage) + ".h5\"");
-          return reply->Send(WithHeaders(std::move(answer)));
-        }
-        reply->Send(report ? Sentence(404, "No report", "<p>Results of this kind have no report.</p>")
-                           : NotHere());
-      });
+  source_->FetchResults(ResultsNow(job), [picture, report, file, reply](const FetchedResults& fetched) {
+    if (picture) {
+      if (!fetched.trouble.empty() || fetched.picture.empty())
+        return reply->Send(
+            SentenceAsPicture(fetched.trouble.empty() ? "This result has no picture." : fetched.trouble));
+      return reply->Send(WithHeaders({.type = "image/png", .file = fetched.folder / fetched.picture}));
+    }
+    if (!fetched.trouble.empty())
+      return reply->Send(Sentence(404, "No result", "<p>" + Text(fetched.trouble) + "</p>"));
+    if (report && fetched.files.has_report)
+      return reply->Send(WithHeaders({.type = kHtml, .file = fetched.folder / "report.html"}, kReportPolicy));
+    for (const std::string& stage : fetched.files.stages) {
+      if (file != stage + ".h5") continue;
+      HttpAnswer answer{.type = "application/x-hdf5", .file = fetched.folder / file};
+      answer.headers.emplace_back("Content-Disposition",
+                                  "attachment; filename=\"" + UrlPart(stage) + ".h5\"");
+      return reply->Send(WithHeaders(std::move(answer)));
+    }
+    reply->Send(report ? Sentence(404, "No report", "<p>Results of this kind have no report.</p>")
+                       : NotHere());
+  });
 }
 
 void Site::AnswerPost(const HttpRequest& request, const Reply& reply) {
@@ -420,11 +418,10 @@ std::shared_ptr<const Parts> Site::PartsFor(const View& view) {
   const FactsPtr facts = source_->Latest();
   const bool of_job = view.kind == View::Kind::kJob;
   const wire::JobInfo* job = of_job ? facts->Find(view.job) : nullptr;
-  const HistoryPtr history = job != nullptr ? source_->HistoryOf(view.job) : nullptr;
-  const auto so_far =
-      job != nullptr && !job->so_far().empty() ? source_->SoFar(view.job, job->so_far()) : nullptr;
+  const HistoryPtr history = job != nullptr ? source_->HistoryOf(*job) : nullptr;
+  const auto so_far = job != nullptr && !job->so_far().empty() ? source_->SoFar(*job) : nullptr;
   const std::string version = so_far ? so_far->folder.filename().string() : "";
-  const auto fetched = job != nullptr ? source_->Fetched(view.job, StagesDone(*job)) : nullptr;
+  const auto fetched = job != nullptr ? source_->Fetched(ResultsNow(*job)) : nullptr;
   const std::string key = view.Address();
   const std::lock_guard lock(mutex_);
   if (const auto made = made_.find(key);

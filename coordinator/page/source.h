@@ -20,11 +20,17 @@ struct FetchedResults {
   bool whole = true;         // all of them came: else they are fetched anew when somebody looks again
 };
 
-// Two jobs whose results are shown beside each other, as they are with so many stages done; `log`: what they
-// were made of, by whose truth they are scored; empty: they are not.
+// A job's results, as they are with so many stages done.
+struct ResultsOf {
+  std::string job, mark;
+  std::uint32_t stages_done = 0;
+};
+inline ResultsOf ResultsNow(const wire::JobInfo& job) { return {job.id(), job.mark(), StagesDone(job)}; }
+
+// Two jobs whose results are shown beside each other; `log`: what they were made of, by whose truth they are
+// scored; empty: they are not.
 struct Compared {
-  std::string one, other;
-  std::uint32_t one_stages = 0, other_stages = 0;
+  ResultsOf one, other;
   std::filesystem::path log = {};
 };
 inline constexpr const char* kComparison = "comparison.html";
@@ -41,22 +47,20 @@ class Source {
   virtual ~Source() = default;
 
   virtual FactsPtr Latest() = 0;
-  virtual HistoryPtr HistoryOf(const std::string& job) = 0;  // null: not known
+  virtual HistoryPtr HistoryOf(const wire::JobInfo& job) = 0;  // null: not known
   // Somebody looks on, at that job where one is named: for the next seconds it is kept up to date. `then`,
   // where there is one, is called once facts (and history) are no older than a second, or nobody answers.
   virtual void Look(const std::string& job, std::function<void()> then) = 0;
   virtual void Command(const std::string& job, const std::string& action, int priority,
                        std::function<void(const CommandOutcome&)> then) = 0;
   // Fetches them where they are not here yet.
-  virtual void FetchResults(const std::string& job, std::uint32_t stages_done,
-                            std::function<void(const FetchedResults&)> then) = 0;
+  virtual void FetchResults(const ResultsOf& what, std::function<void(const FetchedResults&)> then) = 0;
   // Fetches both where they are not here yet.
   virtual void Compare(const Compared& what, std::function<void(const FetchedResults&)> then) = 0;
   // Those that are here; null: none.
-  virtual std::shared_ptr<const FetchedResults> Fetched(const std::string& job,
-                                                        std::uint32_t stages_done) = 0;
-  // The map of the stage under way that came last, null: none yet; by and by the one of that version.
-  virtual std::shared_ptr<const FetchedResults> SoFar(const std::string& job, const std::string& version) = 0;
+  virtual std::shared_ptr<const FetchedResults> Fetched(const ResultsOf& what) = 0;
+  // The map of the stage under way that came last, null: none yet; by and by the one that there is now.
+  virtual std::shared_ptr<const FetchedResults> SoFar(const wire::JobInfo& job) = 0;
 };
 
 }  // namespace cairn::page

@@ -82,6 +82,10 @@ TEST(Job, ShowsItsShareOfTheFleetItsStagesAndWhatIsLeft) {
   EXPECT_EQ(Times(stages, "<li"), 3u);
   EXPECT_NE(stages.find("aria-current=\"step\"><b>map</b>"), std::string::npos) << stages;
   EXPECT_NE(PartOf(view, {.facts = facts}, "result").find("/jobs/1-Tour/report?stages=1"), std::string::npos);
+  job.set_mark(std::string(16, 'a'));
+  EXPECT_NE(PartOf(view, {.facts = facts}, "result").find("/picture?stages=1&amp;of=616161"),
+            std::string::npos)
+      << "a browser shows no picture anew whose address is the same";
   const ResultFiles files{.stages = {"first"}, .has_report = true};
   EXPECT_NE(PartOf(view, {.facts = facts, .results = &files}, "result").find("/files/first.h5"),
             std::string::npos);

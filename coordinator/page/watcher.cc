@@ -77,10 +77,10 @@ FactsPtr Watcher::Latest() {
   return facts_;
 }
 
-HistoryPtr Watcher::HistoryOf(const std::string& job) {
+HistoryPtr Watcher::HistoryOf(const wire::JobInfo& job) {
   const std::lock_guard lock(mutex_);
-  const auto looked = jobs_.find(job);
-  return looked == jobs_.end() ? nullptr : looked->second.history;
+  const auto looked = jobs_.find(job.id());
+  return looked == jobs_.end() || looked->second.mark != job.mark() ? nullptr : looked->second.history;
 }
 
 // Where nobody answers, nobody is waited for a second time.
@@ -167,21 +167,30 @@ Status Watcher::AskForFleet(Facts* facts) {
   return Status::Ok();
 }
 
+// The lines that are not known yet. Where another job has its id now nothing that was said before is kept.
+Result<coordinator::LogPart> Watcher::AskForLog(const std::string& job, LookedAt* known) {
+  Result<coordinator::LogPart> part = asks_->Log(job, known->history ? known->history->last() : 0);
+  if (!part.ok() || !known->history || part.value().job.mark() == known->mark) return part;
+  known->history = nullptr;
+  return asks_->Log(job);
+}
+
 // Of each that somebody looks at how it stands, and those lines of its log that are new: that takes as long
 // whatever other jobs there are. One that is gone is not on the next list.
 Status Watcher::AskForJobs(Facts* facts) {
   const double begin_s = Now();
-  std::vector<std::pair<std::string, HistoryPtr>> jobs;
+  std::vector<std::pair<std::string, LookedAt>> jobs;
   {
     const std::lock_guard lock(mutex_);
     std::erase_if(jobs_,
                   [&](const auto& of) { return begin_s - of.second.at_s > 20 * options_.looked_at_s; });
     for (const auto& [id, looked] : jobs_)
       if (begin_s - looked.at_s < options_.looked_at_s && facts->Find(id) != nullptr)
-        jobs.emplace_back(id, looked.history);
+        jobs.emplace_back(id, looked);
   }
-  for (const auto& [id, history] : jobs) {
-    const Result<coordinator::LogPart> part = asks_->Log(id, history ? history->last() : 0);
+  for (auto& [id, known] : jobs) {
+    const Result<coordinator::LogPart> part = AskForLog(id, &known);
+    const HistoryPtr& history = known.history;
     if (!part.ok()) {
       const Code code = part.status().code();
       if (code != Code::kRefused && code != Code::kNoSpace) return part.status();
@@ -198,6 +207,7 @@ Status Watcher::AskForJobs(Facts* facts) {
     const std::lock_guard lock(mutex_);
     if (const auto looked = jobs_.find(id); looked != jobs_.end()) {
       looked->second.history = longer;
+      looked->second.mark = part.value().job.mark();
       looked->second.answered_s = Now();
     }
   }

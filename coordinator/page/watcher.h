@@ -37,22 +37,21 @@ class Watcher : public Source {
   ~Watcher() override;
 
   FactsPtr Latest() override;
-  HistoryPtr HistoryOf(const std::string& job) override;
+  HistoryPtr HistoryOf(const wire::JobInfo& job) override;
   void Look(const std::string& job, std::function<void()> then) override;
   void Command(const std::string& job, const std::string& action, int priority,
                std::function<void(const CommandOutcome&)> then) override;
-  void FetchResults(const std::string& job, std::uint32_t stages_done,
-                    std::function<void(const FetchedResults&)> then) override {
-    results_.Fetch(job, stages_done, std::move(then));
+  void FetchResults(const ResultsOf& what, std::function<void(const FetchedResults&)> then) override {
+    results_.Fetch(what, std::move(then));
   }
   void Compare(const Compared& what, std::function<void(const FetchedResults&)> then) override {
     results_.Compare(what, std::move(then));
   }
-  std::shared_ptr<const FetchedResults> Fetched(const std::string& job, std::uint32_t stages_done) override {
-    return results_.Fetched(job, stages_done);
+  std::shared_ptr<const FetchedResults> Fetched(const ResultsOf& what) override {
+    return results_.Fetched(what);
   }
-  std::shared_ptr<const FetchedResults> SoFar(const std::string& job, const std::string& version) override {
-    return results_.SoFar(job, version);
+  std::shared_ptr<const FetchedResults> SoFar(const wire::JobInfo& job) override {
+    return results_.SoFar(job);
   }
 
  private:
@@ -60,6 +59,7 @@ class Watcher : public Source {
     double at_s = 0;
     double answered_s = -1e9;  // when it was asked for last
     HistoryPtr history = nullptr;
+    std::string mark = {};  // of the job whose history that is
   };
   // When something is asked again: the longer it took, the later.
   struct Due {
@@ -73,6 +73,7 @@ class Watcher : public Source {
   Status AskForList(Facts* facts);
   Status AskForFleet(Facts* facts);
   Status AskForJobs(Facts* facts);
+  Result<coordinator::LogPart> AskForLog(const std::string& job, LookedAt* known);
   void SetDue(Due* due, double begin_s, double least_s) const;
   bool IsFresh(const std::string& job, double now_s) const;
 

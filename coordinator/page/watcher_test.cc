@@ -46,13 +46,14 @@ class WatcherTest : public ::testing::Test {
     wire::JobInfo& job = *reply.add_jobs();
     job.set_id("1-hall");
     job.set_name("hall");
+    job.set_mark(is_another_ ? "other" : "first");
     job.set_state(query.action() == "pause" || state_paused_ ? "paused" : "running");
     if (query.action() == "logs") {
       ++logs_;
       for (std::uint64_t number = query.after() + 1; number <= lines_; ++number) {
         wire::LogLine& line = *reply.add_log();
         line.set_number(number);
-        line.set_text("line " + std::to_string(number));
+        line.set_text((is_another_ ? "other " : "line ") + std::to_string(number));
       }
     } else if (query.action() == "status" && query.job().empty()) {
       ++lists_;
@@ -85,6 +86,11 @@ class WatcherTest : public ::testing::Test {
     looked.get_future().get();
     return watcher_->Latest();
   }
+  HistoryPtr History() {
+    const FactsPtr facts = watcher_->Latest();
+    const wire::JobInfo* job = facts->Find("1-hall");
+    return job == nullptr ? nullptr : watcher_->HistoryOf(*job);
+  }
   // Looks until it is so.
   void Until(const std::function<bool()>& is_so) {
     while (!is_so()) {
@@ -97,6 +103,7 @@ class WatcherTest : public ::testing::Test {
   std::atomic<int> lists_ = 0, logs_ = 0, changes_ = 0;
   std::atomic<std::uint64_t> lines_ = 3;
   std::atomic<bool> refused_ = false, another_ = false, state_paused_ = false, gone_ = false;
+  std::atomic<bool> is_another_ = false;  // that has the id now
   double unseen_s_ = 0.01;
   std::string unanswered_;
   std::unique_ptr<FakeService> service_;
@@ -111,10 +118,10 @@ TEST_F(WatcherTest, WhoLooksHasFactsAndTheLogAtOnceAndWhatIsNewAfterwards) {
   ASSERT_TRUE(facts->known);
   EXPECT_EQ(facts->workers.at(0).number(), 7u);
   ASSERT_NE(facts->Find("1-hall"), nullptr);
-  EXPECT_EQ(watcher_->HistoryOf("1-hall")->lines().size(), 3u);
+  EXPECT_EQ(History()->lines().size(), 3u);
   lines_ = 5;
-  Until([&] { return watcher_->HistoryOf("1-hall")->last() == 5; });
-  EXPECT_EQ(watcher_->HistoryOf("1-hall")->lines().size(), 5u);
+  Until([&] { return History()->last() == 5; });
+  EXPECT_EQ(History()->lines().size(), 5u);
 }
 
 TEST_F(WatcherTest, AJobThatCameAMomentAgoIsThere) {
@@ -146,12 +153,29 @@ TEST_F(WatcherTest, AJobThatSomebodyLooksAtIsAskedForAlone) {
   Look("1-hall");
   const int lists = lists_;
   lines_ = 4;
-  Until([&] { return watcher_->HistoryOf("1-hall")->last() == 4; });
+  Until([&] { return History()->last() == 4; });
   state_paused_ = true;
   Until([&] { return watcher_->Latest()->Find("1-hall")->state() == "paused"; });
   EXPECT_EQ(lists_, lists);
   while (lists_ == lists) Look();  // who looks at the list has it
   EXPECT_EQ(watcher_->Latest()->Find("1-hall")->state(), "paused");
+}
+
+// After `cairn restore`, or in a new store: by its mark it is told from the one before, of whose log nothing
+// stays.
+TEST_F(WatcherTest, AnotherJobWithTheSameIdHasItsOwnLog) {
+  Serve();
+  Watch();
+  Look("1-hall");
+  const wire::JobInfo before = *watcher_->Latest()->Find("1-hall");
+  is_another_ = true;
+  lines_ = 5;
+  Until([&] { return watcher_->Latest()->Find("1-hall")->mark() == "other"; });
+  ASSERT_NE(History(), nullptr);
+  ASSERT_EQ(History()->lines().size(), 5u);
+  for (const wire::LogLine& line : History()->lines())
+    EXPECT_TRUE(line.text().starts_with("other")) << line.text();
+  EXPECT_EQ(watcher_->HistoryOf(before), nullptr);
 }
 
 // It is told at once, and not with the next list.

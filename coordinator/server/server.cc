@@ -6,6 +6,7 @@
 
 #include "coordinator/store/recovery.h"
 #include "coordinator/store/served_file.h"
+#include "coordinator/store/store_id.h"
 #include "schema/process_limits.h"
 #include "schema/text.h"
 #include "schema/wire/keys.h"
@@ -30,11 +31,18 @@ std::string WhyNotKept(const wire::Done& done, const std::vector<wire::NamedBlob
   return "";
 }
 
+// Empty where none can be read: then jobs are known by what was submitted alone.
+std::string IdOf(const StoreFolder& folder) {
+  const Result<StoreId> id = ReadStoreId(folder.IdFile());
+  return id.ok() ? id.value().id : "";
+}
+
 }  // namespace
 
 Server::Server(const StoreFolder& folder, Transport& transport, JobTable table, ServerOptions options,
                LogSink log)
     : folder_(folder),
+      store_id_(IdOf(folder)),
       transport_(transport),
       options_(std::move(options)),
       log_([log = std::move(log)](Severity severity, const std::string& line) {

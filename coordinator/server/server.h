@@ -186,6 +186,7 @@ class Server {
   void Serve(const std::string& peer, const wire::WorkerQuery& query);
   void RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why);
   void RefuseAsUnable(const std::string& peer, wire::RefusalKind kind, const std::string& why);
+  void Complete(const std::string& user, wire::JobInfo& info) const;
   wire::Message AboutJobs(const std::string& user, const std::string& job) const;
   bool MayAskWriter(const std::string& peer);
   void AnswerLog(const std::string& peer, const std::string& user, const wire::JobQuery& query);
@@ -198,6 +199,7 @@ class Server {
   std::vector<Hash> KeepBlobs(const std::vector<wire::NamedBlob>& blobs);
 
   const StoreFolder& folder_;
+  const std::string store_id_;  // empty: it has none, as a private run's
   Transport& transport_;
   const ServerOptions options_;
   const LogSink log_;

@@ -168,6 +168,15 @@ void Server::Serve(const std::string& peer, const std::string& user, const wire:
   Reply(peer, AboutJobs(user, query.job()));
 }
 
+// With what the core does not know of it.
+void Server::Complete(const std::string& user, wire::JobInfo& info) const {
+  info.set_foreign(!access_control_.MayCommand(user, info.owner()));
+  Hasher mark;
+  mark.Add(store_id_);
+  mark.Add(core_.FindJob(info.id())->hash.Binary());
+  info.set_mark(mark.Finish().Binary());
+}
+
 // Of one job, or, where none is named, of all; and what there is to know of the service.
 wire::Message Server::AboutJobs(const std::string& user, const std::string& job) const {
   wire::Message message;
@@ -177,8 +186,7 @@ wire::Message Server::AboutJobs(const std::string& user, const std::string& job)
     for (wire::JobInfo& info : core_.Jobs()) *reply.add_jobs() = std::move(info);
   else
     *reply.add_jobs() = *core_.Find(job);
-  for (wire::JobInfo& info : *reply.mutable_jobs())
-    info.set_foreign(!access_control_.MayCommand(user, info.owner()));
+  for (wire::JobInfo& info : *reply.mutable_jobs()) Complete(user, info);
   for (const auto& [kind, count] : refusals_.Counts()) (*reply.mutable_refused())[kind] = count;
   reply.set_may_submit(access_control_.MaySubmit(user));
   reply.set_warning(Warning());
@@ -243,7 +251,7 @@ void Server::AnswerLog(const std::string& peer, const std::string& user, const w
   if (!MayAskWriter(peer)) return;
   WriteLog();
   wire::JobInfo info = *core_.Find(query.job());
-  info.set_foreign(!access_control_.MayCommand(user, info.owner()));
+  Complete(user, info);
   AddPlan(core_.FindJob(query.job())->spec, &info);
   writer_.Add(ReadLogWork{peer, std::move(info), query.after()});
 }

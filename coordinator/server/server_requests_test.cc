@@ -6,6 +6,7 @@
 
 #include "coordinator/server/rights.h"
 #include "coordinator/server/testing/hub_fixture.h"
+#include "coordinator/store/store_id.h"
 #include "schema/store/blob_file.h"
 
 namespace cairn::coordinator {
@@ -16,6 +17,30 @@ wire::Message Query(const std::string& job, const std::string& action) {
   message.envelope.mutable_query()->set_job(job);
   message.envelope.mutable_query()->set_action(action);
   return message;
+}
+
+// A new store, and one that was made of a backup, gives a number that another job had.
+TEST(ServerRequests, AJobIsToldFromAnotherWithItsIdByItsMark) {
+  const auto mark_of = [](const std::string& store, std::uint64_t seed) {
+    ServerFixture fixture;
+    EXPECT_TRUE(WriteStoreId(fixture.temp.path() / "store" / "id", {store, "", false}).ok());
+    fixture.Start();
+    proto::Job job = fixture.MakeJob();
+    job.set_seed(seed);
+    EXPECT_TRUE(fixture.Ask(fixture.Submission(job)).ok());
+    wire::Message query;
+    query.envelope.mutable_query()->set_action("status");
+    const wire::Reply list = fixture.Ask(query);
+    EXPECT_EQ(list.jobs_size(), 1);
+    query.envelope.mutable_query()->set_job(list.jobs(0).id());
+    query.envelope.mutable_query()->set_action("logs");
+    EXPECT_EQ(fixture.Ask(query).jobs(0).mark(), list.jobs(0).mark());
+    return list.jobs(0).mark();
+  };
+  const std::string one(32, '1'), other(32, '2');
+  EXPECT_EQ(mark_of(one, 1), mark_of(one, 1));
+  EXPECT_NE(mark_of(one, 1), mark_of(one, 2)) << "another was submitted";
+  EXPECT_NE(mark_of(one, 1), mark_of(other, 1)) << "of another time, by other workers";
 }
 
 TEST(ServerRequests, HaveNamesWhatIsMissing) {

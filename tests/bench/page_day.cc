@@ -27,7 +27,7 @@ class Day : public page::Source {
     const std::lock_guard lock(mutex_);
     return facts_;
   }
-  page::HistoryPtr HistoryOf(const std::string&) override {
+  page::HistoryPtr HistoryOf(const wire::JobInfo&) override {
     const std::lock_guard lock(mutex_);
     return history_;
   }
@@ -39,19 +39,14 @@ class Day : public page::Source {
                std::function<void(const page::CommandOutcome&)> then) override {
     then({false, "It is a day that was made up."});
   }
-  void FetchResults(const std::string&, std::uint32_t,
-                    std::function<void(const page::FetchedResults&)> then) override {
+  void FetchResults(const page::ResultsOf&, std::function<void(const page::FetchedResults&)> then) override {
     then({.trouble = "There is none."});
   }
   void Compare(const page::Compared&, std::function<void(const page::FetchedResults&)> then) override {
     then({.trouble = "There is none."});
   }
-  std::shared_ptr<const page::FetchedResults> Fetched(const std::string&, std::uint32_t) override {
-    return nullptr;
-  }
-  std::shared_ptr<const page::FetchedResults> SoFar(const std::string&, const std::string&) override {
-    return nullptr;
-  }
+  std::shared_ptr<const page::FetchedResults> Fetched(const page::ResultsOf&) override { return nullptr; }
+  std::shared_ptr<const page::FetchedResults> SoFar(const wire::JobInfo&) override { return nullptr; }
   std::uint64_t looks() const { return looks_; }
 
   void GoOn(double now_s) {

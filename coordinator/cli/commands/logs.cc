@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "coordinator/cli/commands/client_arguments.h"
+#include "coordinator/cli/commands/same_job.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/stop_signal.h"
@@ -38,6 +39,7 @@ int Logs(const LogsArguments& options, const Invocation& call) {
   Console console(call);
   const std::atomic<bool>& stop = StopOnSignals();
   std::uint64_t last = 0;
+  SameJob same;
   while (!stop) {
     const Result<coordinator::LogPart> answer = client.Log(options.job, last);
     // A coordinator that is started again answers soon.
@@ -46,6 +48,7 @@ int Logs(const LogsArguments& options, const Invocation& call) {
       continue;
     }
     const coordinator::LogPart part = Take(answer);
+    same.Check(part.job);
     if (!Print(options, part.lines, last) || !options.follow || IsOver(part.job)) return kExitDone;
     std::this_thread::sleep_for(kLookAgain);
   }

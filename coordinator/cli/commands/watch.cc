@@ -10,6 +10,7 @@
 #include "coordinator/cli/commands/client_arguments.h"
 #include "coordinator/cli/commands/report.h"
 #include "coordinator/cli/commands/run_summary.h"
+#include "coordinator/cli/commands/same_job.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
 #include "coordinator/cli/common/stop_signal.h"
@@ -122,10 +123,12 @@ std::string EndOf(const wire::JobInfo& info, bool json, coordinator::Client& cli
 int WatchOne(const WatchArguments& options, coordinator::Client& client, const std::string& job,
              Console& console) {
   News news(console);
+  SameJob same;
   for (const std::atomic<bool>& stop = StopOnSignals(); !stop;) {
     const Result<wire::JobInfo> answer = client.Info(job);
     const wire::JobInfo* info = AnswerOf(answer, console);
     if (info == nullptr) continue;
+    same.Check(*info);
     if (IsOver(*info)) {
       console.Clear();
       std::fputs(EndOf(*info, options.json, client, console).c_str(), stdout);
@@ -149,6 +152,7 @@ int WatchMany(const WatchArguments& options, coordinator::Client& client, const 
               Console& console) {
   std::map<std::string, wire::JobInfo> over;
   std::map<std::string, News> news;
+  std::map<std::string, SameJob> same;
   for (const std::atomic<bool>& stop = StopOnSignals(); !stop;) {
     const Result<coordinator::JobList> answer = client.List();
     const coordinator::JobList* list = AnswerOf(answer, console);
@@ -158,6 +162,7 @@ int WatchMany(const WatchArguments& options, coordinator::Client& client, const 
     for (const std::string& id : ids) {
       if (!known.contains(id)) throw InputError("there is no job '" + id + "'");
       const wire::JobInfo& info = known.at(id);
+      same[id].Check(info);
       if (!IsOver(info)) {
         news.try_emplace(id, console).first->second.Tell(info, "");
       } else if (over.emplace(id, info).second && !options.json) {

@@ -18,7 +18,7 @@ namespace cairn::page {
 class FakeSource : public Source {
  public:
   FactsPtr Latest() override { return facts; }
-  HistoryPtr HistoryOf(const std::string&) override { return history; }
+  HistoryPtr HistoryOf(const wire::JobInfo&) override { return history; }
   void Look(const std::string& job, std::function<void()> then) override {
     looks.push_back(job);
     if (then) then();
@@ -28,23 +28,22 @@ class FakeSource : public Source {
     commands.push_back(job + " " + action + " " + std::to_string(priority));
     then(outcome);
   }
-  void FetchResults(const std::string& job, std::uint32_t stages,
-                    std::function<void(const FetchedResults&)> then) override {
-    fetched.push_back(job + " " + std::to_string(stages));
+  static std::string Words(const ResultsOf& what) {
+    return what.job + " " + std::to_string(what.stages_done);
+  }
+  void FetchResults(const ResultsOf& what, std::function<void(const FetchedResults&)> then) override {
+    fetched.push_back(Words(what));
     then(results);
   }
   void Compare(const Compared& what, std::function<void(const FetchedResults&)> then) override {
-    fetched.push_back(what.one + " " + std::to_string(what.one_stages) + " beside " + what.other + " " +
-                      std::to_string(what.other_stages) +
+    fetched.push_back(Words(what.one) + " beside " + Words(what.other) +
                       (what.log.empty() ? "" : " with " + what.log.string()));
     then(results);
   }
-  std::shared_ptr<const FetchedResults> Fetched(const std::string&, std::uint32_t) override {
-    return nullptr;
-  }
+  std::shared_ptr<const FetchedResults> Fetched(const ResultsOf&) override { return nullptr; }
 
-  std::shared_ptr<const FetchedResults> SoFar(const std::string& job, const std::string& version) override {
-    fetched.push_back(job + " so far " + version);
+  std::shared_ptr<const FetchedResults> SoFar(const wire::JobInfo& job) override {
+    fetched.push_back(job.id() + " so far " + job.so_far());
     return so_far;
   }
 
