@@ -490,6 +490,78 @@ TEST(LocalMap, APlaceThatIsDrawnTwiceIsSeenAndThePathSoughtAnew) {
   EXPECT_EQ(Map(room)->ContentHash(), Map(room, options)->ContentHash());
 }
 
+// The same log of a robot whose base frame is turned by half a circle: by it the robot drives backwards.
+Blob TurnedAround(const Blob& log) {
+  const auto negated = [&](const char* name) {
+    std::vector<double> all;
+    for (const double value : log.Get<double>(name)) all.push_back(-value);
+    return all;
+  };
+  Blob turned = log;
+  for (const char* name : {"robot/0/odometry/forward_m", "robot/0/laser/beam_x_m", "robot/0/laser/beam_y_m"})
+    turned.PutVector(name, negated(name));
+  std::vector<double> heading;
+  for (const double rad : log.Get<double>("robot/0/laser/beam_heading_rad"))
+    heading.push_back(WrapAngle(rad + M_PI));
+  turned.PutVector("robot/0/laser/beam_heading_rad", heading);
+  return turned;
+}
+
+TEST(LocalMap, ARobotThatDrivesBackwardsGetsTheSameMapTurned) {
+  const Blob log = LaserRoomLog(3, -1);
+  const BlobPtr map = Map(log), turned = Map(TurnedAround(log));
+  const auto x = map->Get<double>("robot/0/poses/x_m"), y = map->Get<double>("robot/0/poses/y_m"),
+             x_turned = turned->Get<double>("robot/0/poses/x_m"),
+             y_turned = turned->Get<double>("robot/0/poses/y_m");
+  ASSERT_EQ(x.size(), x_turned.size());
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    ASSERT_NEAR(x[k], -x_turned[k], 0.01) << k;
+    ASSERT_NEAR(y[k], -y_turned[k], 0.01) << k;
+  }
+  const auto traces = map->Get<double>("traces/direction_rad"),
+             traces_turned = turned->Get<double>("traces/direction_rad");
+  ASSERT_GT(traces.size(), 8U);
+  ASSERT_EQ(traces.size(), traces_turned.size());
+  for (std::size_t t = 0; t < traces.size(); ++t)
+    EXPECT_NEAR(std::abs(WrapAngle(traces[t] - traces_turned[t])), M_PI, 1e-9) << t;
+  const auto features = map->Get<std::int64_t>("traces/features"),
+             features_turned = turned->Get<std::int64_t>("traces/features");
+  EXPECT_EQ(std::vector(features.begin(), features.end()),
+            std::vector(features_turned.begin(), features_turned.end()));
+  EXPECT_NEAR(static_cast<double>(map->at("connections/kind").size()),
+              static_cast<double>(turned->at("connections/kind").size()), 3);
+}
+
+// A laser that gives no answer by a share of its beams, each time by others.
+Blob WithLostBeams(Blob log, double share, const std::string& sensor = "robot/0/laser/") {
+  const Array whole = log.at(sensor + "range_m");
+  std::vector<double> ranges(whole.As<double>().begin(), whole.As<double>().end());
+  Rng rng(6);
+  for (double& range : ranges)
+    if (rng.Uniform() < share) range = std::nan("");
+  log.Put(sensor + "range_m", Array::Of<double>(whole.shape(), ranges));
+  return log;
+}
+
+TEST(LocalMap, LostBeamsHideNoPlaceThatIsDrawnTwice) {
+  const Blob log = WithLostBeams(RingLog(), 0.3);
+  Options options;
+  options.loop_mends = 0;
+  const BlobPtr as_it_was = Map(log, options), map = Map(log);
+  EXPECT_GT(ShareDoubled(*as_it_was), 0.15);
+  EXPECT_LT(ShareDoubled(*map), 0.03);
+  EXPECT_LT(ErrorM(log, *map), 0.4);
+}
+
+TEST(LocalMap, LostBeamsHideNoMotionThatOdometryMisses) {
+  for (const auto& [missed, slips] : {std::pair{4, -1}, {-1, 5}}) {
+    const Blob log = WithLostBeams(LaserRoomLog(3, missed, slips), 0.4);
+    const BlobPtr map = Map(log);
+    EXPECT_LT(ErrorM(log, *map), 0.1);
+    EXPECT_EQ(Read<kinds::LocalMap>(*map).robot[0].fit.from_s.vector().size(), 1U);
+  }
+}
+
 TEST(LocalMap, RefusesALogWithoutRangesOrWithTimeThatRunsBackwards) {
   const Blob log = RoomLog(1);
   const auto refusal = [](const Blob& bad) -> std::string {

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "pipelines/common/handed_over.h"
 #include "pipelines/common/state_scalars.h"
+#include "pipelines/local_map/path/lost_beams.h"
 #include "schema/error.h"
 
 namespace cairn::local_map {
@@ -27,6 +29,14 @@ struct Sight {
   auto operator<=>(const Sight&) const = default;
 };
 
+// Beams that tell how far one sees: those that are lost by chance do not.
+std::size_t BeamsThatTell(const std::vector<Pose>& beams, std::span<const double> ranges) {
+  std::vector<bool> answered(ranges.size());
+  for (std::size_t b = 0; b < ranges.size(); ++b) answered[b] = ranges[b] == ranges[b];
+  const std::vector<bool> lost = LostBeams(beams, answered);
+  return static_cast<std::size_t>(std::ranges::count(lost, false));
+}
+
 std::vector<Sight> SightsOf(const PosedScans& scans, const RobotRuns& robot) {
   const double near_m = Size{}.reach_m();
   std::vector<Sight> sights;
@@ -42,7 +52,7 @@ std::vector<Sight> SightsOf(const PosedScans& scans, const RobotRuns& robot) {
       if (sensor.opening_rad > 0 || !(sensor.max_range_m > near_m) || row < 0) continue;
       const auto ranges = sensor.range_m.As<double>().subspan(
           static_cast<std::size_t>(row) * sensor.beams.size(), sensor.beams.size());
-      beams += ranges.size();
+      beams += BeamsThatTell(sensor.beams, ranges);
       std::ranges::copy_if(ranges, std::back_inserter(met), [](double r) { return r == r; });
     }
     if (beams == 0) continue;

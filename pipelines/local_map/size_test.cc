@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,8 @@ template <class Sees>
 Drive40 DriveOf(double far_m, const Sees& sees) {
   Drive40 drive;
   RangeScans laser;
-  laser.beams.resize(kLaserBeams);
+  for (std::size_t b = 0; b < kLaserBeams; ++b)
+    laser.beams.push_back({0, 0, std::numbers::pi * (static_cast<double>(b) / kLaserBeams - 0.5)});
   laser.max_range_m = 100;
   RobotRuns robot;
   robot.sensors = {0};
@@ -102,6 +104,19 @@ TEST(Size, InfraRedIsNoWitnessEither) {
   drive.scans.sensors[0].range_m = Array::Of<double>({kScans, kLaserBeams}, ranges);
   EXPECT_TRUE(IsHall(Chosen(drive))) << "a laser's";
   drive.scans.sensors[0].max_range_m = 0.8;
+  EXPECT_FALSE(IsHall(Chosen(drive)));
+}
+
+// Of 60 beams, a degree apart, every third answers, and a tenth of these meet something near.
+TEST(Size, BeamsThatAreLostMakeNoHall) {
+  Drive40 drive = DriveOf(9.5, kNever);
+  RangeScans& laser = drive.scans.sensors[0];
+  laser.beams.clear();
+  for (int b = 0; b < 60; ++b) laser.beams.push_back({0, 0, b * std::numbers::pi / 180});
+  std::vector<double> ranges;
+  for (std::size_t k = 0; k < kScans * 60; ++k)
+    ranges.push_back(k % 3 != 0 ? kUnanswered : k % 60 >= 54 ? 2 : 9.5);
+  laser.range_m = Array::Of<double>({kScans, 60}, ranges);
   EXPECT_FALSE(IsHall(Chosen(drive)));
 }
 

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <utility>
 
+#include "pipelines/local_map/path/lost_beams.h"
 #include "schema/error.h"
 
 namespace cairn::local_map {
@@ -156,24 +157,33 @@ std::vector<LoopConstraint> MakePassConstraints(const std::vector<Passing>& pass
   return constraints;
 }
 
-PassWatch::PassWatch(const ScaleWatch::Ring& laser) : fan_(laser.beams, laser.max_range_m) {}
+PassWatch::PassWatch(const ScaleWatch::Ring& laser)
+    : beams_(laser.beams), fan_(laser.beams, laser.max_range_m) {}
 
 void PassWatch::Add(std::int64_t scan, const Pose& pose, double path_m, const RingScan& read) {
   if (!taken_.empty() && path_m - taken_.back().path_m < kTaken_m) return;
   const LaserView seen = fan_.View(read);
-  taken_.push_back({scan, pose, path_m, seen.origin, HitsOf(seen), std::vector<float>(kDirections),
-                    std::vector<float>(kDirections)});
+  PassView view{scan, pose, path_m, seen.origin, HitsOf(seen), {}, {}};
+  Look(seen, &view);
+  taken_.push_back(std::move(view));
+}
+
+void PassWatch::Look(const LaserView& seen, PassView* view) const {
+  std::vector<bool> answered(seen.hits.size());
+  for (std::size_t b = 0; b < answered.size(); ++b) answered[b] = RangeM(seen, b) > 0;
+  const std::vector<bool> lost = LostBeams(beams_, answered);
   constexpr int kCircle = static_cast<int>(kDirections);
   for (int d = 0; d < kCircle; ++d) {
     double low = HUGE_VAL, high = 0;
     for (int by = -kAside; by <= kAside; ++by) {
       const std::int16_t beam = seen.beam_at[static_cast<std::size_t>((d + by + kCircle) % kCircle)];
+      if (beam >= 0 && lost[static_cast<std::size_t>(beam)]) continue;
       const double range = beam < 0 ? 0 : RangeM(seen, static_cast<std::size_t>(beam));
       low = std::min(low, range);
       high = std::max(high, range);
     }
-    taken_.back().low_m[static_cast<std::size_t>(d)] = static_cast<float>(low);
-    taken_.back().high_m[static_cast<std::size_t>(d)] = static_cast<float>(high);
+    view->low_m.push_back(high > 0 ? static_cast<float>(low) : 0);
+    view->high_m.push_back(static_cast<float>(high));
   }
 }
 

@@ -36,10 +36,11 @@ struct PassView {
   std::int64_t scan = 0;
   Pose pose;  // on the path
   double path_m = 0;
-  Point origin;                      // of the beams
-  std::vector<Point> hits;           // some, spread over the scan
-  std::vector<float> low_m, high_m;  // of each half degree: how far it looked at least and at most, within
-                                     // some degrees; 0: not known
+  Point origin;             // of the beams
+  std::vector<Point> hits;  // some, spread over the scan
+  // Of each half degree: how far it looked at least and at most, within some degrees, by the beams that are
+  // not lost; 0: not known, for there it met nothing.
+  std::vector<float> low_m, high_m;
 };
 
 // The robot at `to` of each that is doubled lies where both meet: by so much elsewhere than the nodes have
@@ -58,6 +59,9 @@ class PassWatch {
   std::vector<Passing> Compare(Progress& progress) const;
 
  private:
+  void Look(const LaserView& seen, PassView* view) const;
+
+  std::vector<Pose> beams_;
   LaserFan fan_;
   std::vector<PassView> taken_;
 };

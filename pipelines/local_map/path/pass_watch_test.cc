@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "pipelines/local_map/testing/corridor.h"
 #include "schema/error.h"
@@ -15,23 +16,43 @@ struct Ticks : Progress {
   void Tick() override {}
 };
 
-// Twice along the corridor, 5 m each; the path has the second pass `off`, and somebody may have put a box of
-// 1.2 m into the corridor meanwhile.
-std::vector<Passing> TwoPasses(const Point& off, bool box = false) {
+// What somebody puts into the corridor before the second pass, and how many of the beams are lost.
+struct Changed {
+  bool box = false;    // of 1.4 m
+  bool black = false;  // it was there before, and swallowed the light
+  double lost = 0;
+};
+
+// Twice along the corridor, 5 m each; the path has the second pass `off`.
+std::vector<Passing> TwoPasses(const Point& off, const Changed& changed = {}) {
   constexpr int kScans = 50;
   Rng rng(5);
   PassWatch watch({LaserBeams(), 0, 10});
-  std::vector<TestWall> walls = NichedCorridor();
+  const std::vector<TestWall> walls = NichedCorridor();
+  std::vector<TestWall> with_box = walls;
+  for (const TestWall& wall : TestBox(0.8, 1.4, {1.9, 0.4, 0})) with_box.push_back(wall);
   for (int k = 0; k < 2 * kScans; ++k) {
-    if (k == kScans && box)
-      for (const TestWall& wall : TestBox(0.8, 1.4, {1.9, 0.4, 0})) walls.push_back(wall);
+    const bool first = k < kScans;
     const Pose robot{-4 + 0.1 * (k % kScans), -0.2, 0};
-    const std::vector<double> ranges = LaserScan(walls, robot, rng);
-    const Pose on_path = k < kScans ? robot : Pose{robot.x_m + off.x_m, robot.y_m + off.y_m, 0};
-    watch.Add(k, on_path, 0.1 * k + (k < kScans ? 0 : 10), {.time_s = 0, .turret_rad = 0, .range_m = ranges});
+    std::vector<double> ranges = LaserScan(changed.box && !first ? with_box : walls, robot, rng);
+    if (changed.black && first) {
+      const std::vector<double> before_box = LaserScan(with_box, robot, rng);
+      for (std::size_t b = 0; b < ranges.size(); ++b)
+        if (std::abs(before_box[b] - ranges[b]) > 0.1) ranges[b] = std::nan("");
+    }
+    for (double& range : ranges)
+      if (changed.lost > 0 && rng.Uniform() < changed.lost) range = std::nan("");
+    const Pose on_path = first ? robot : Pose{robot.x_m + off.x_m, robot.y_m + off.y_m, 0};
+    watch.Add(k, on_path, 0.1 * k + (first ? 0 : 10), {.time_s = 0, .turret_rad = 0, .range_m = ranges});
   }
   Ticks ticks;
   return watch.Compare(ticks);
+}
+
+double MostThrough(const std::vector<Passing>& passes) {
+  double most = 0;
+  for (const Passing& passing : passes) most = std::max(most, passing.through);
+  return most;
 }
 
 double ShareDoubled(const std::vector<Passing>& passes) {
@@ -59,12 +80,34 @@ TEST(PassWatch, ACorridorThatIsDrawnTwiceIsSeenAndByHowMuch) {
   }
 }
 
+// As a cheap laser does. The scans bear witness all the same.
+TEST(PassWatch, BeamsMayBeLostHereAndThere) {
+  for (const double lost : {0.2, 0.4}) {
+    const Changed changed{.lost = lost};
+    const std::vector<Passing> meet = TwoPasses({}, changed), apart = TwoPasses({0, 1.5}, changed);
+    EXPECT_GE(meet.size(), 18U) << lost;
+    EXPECT_EQ(ShareDoubled(meet), 0) << lost;
+    ASSERT_GE(apart.size(), 10U) << lost;
+    EXPECT_GT(ShareDoubled(apart), 0.7) << lost;
+  }
+}
+
+// Nobody looked through what gave no answer.
+TEST(PassWatch, ABlockOfBeamsWithoutAnAnswerSawNothing) {
+  const std::vector<Passing> white = TwoPasses({}, {.box = true}),
+                             black = TwoPasses({}, {.box = true, .black = true});
+  const auto from_first = [](const Passing& passing) { return passing.from < passing.to; };
+  EXPECT_GT(MostThrough(white), 0.25);
+  std::vector<Passing> of_first;
+  std::ranges::copy_if(black, std::back_inserter(of_first), from_first);
+  EXPECT_GE(of_first.size(), 9U);
+  EXPECT_LT(MostThrough(of_first), 0.05);
+}
+
 // No other place would be better: nothing is drawn twice.
 TEST(PassWatch, WhatWasMovedMeanwhileIsNotDrawnTwice) {
-  const std::vector<Passing> passes = TwoPasses({}, true);
-  double most = 0;
-  for (const Passing& passing : passes) most = std::max(most, passing.through);
-  EXPECT_GT(most, 0.25);
+  const std::vector<Passing> passes = TwoPasses({}, {.box = true});
+  EXPECT_GT(MostThrough(passes), 0.25);
   EXPECT_EQ(ShareDoubled(passes), 0);
 }
 

@@ -46,8 +46,12 @@ class Recording {
   }
   void Finish(std::size_t end) {
     runs_ = false;
-    if (last_.z_m - begun_.z_m < options_.least_m) return;
-    traces_->push_back({0, first_, end, recorder_.frame(), recorder_.trace()});
+    if (std::abs(last_.z_m - begun_.z_m) < options_.least_m) return;
+    // A trace runs where the robot drove, which need not be where it faced.
+    if (last_.z_m > begun_.z_m)
+      traces_->push_back({0, first_, end, recorder_.frame(), recorder_.trace()});
+    else
+      traces_->push_back({0, first_, end, recorder_.frame().Back(), Reversed(recorder_.trace())});
   }
   bool runs() const { return runs_; }
 

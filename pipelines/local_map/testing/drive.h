@@ -44,6 +44,10 @@ class Drive {
     pose_ = Compose(pose_, {kSpeedMS * kScanS, 0, turn_rad});
     Scan();
   }
+  void StepBack() {
+    pose_ = Compose(pose_, {-kSpeedMS * kScanS, 0, 0});
+    Scan();
+  }
   void Ahead(double distance_m) {
     for (double gone = 0; gone < distance_m; gone += kSpeedMS * kScanS) Step();
   }

@@ -11,8 +11,11 @@ EdgeTrace::EdgeTrace(double cell_m, int first_z, std::size_t capacity)
 }
 
 Feature* EdgeTrace::Touch(int z) {
-  if (z < first_z_ || static_cast<std::size_t>(z - first_z_) >= capacity_) return nullptr;
-  if (z >= end_z()) features_.resize(static_cast<std::size_t>(z - first_z_) + 1);
+  const int first = std::min(z, first_z_), end = std::max(z + 1, end_z());
+  if (static_cast<std::size_t>(end - first) > capacity_) return nullptr;
+  features_.insert(features_.begin(), static_cast<std::size_t>(first_z_ - first), Feature());
+  first_z_ = first;
+  features_.resize(static_cast<std::size_t>(end - first));
   return &features_[static_cast<std::size_t>(z - first_z_)];
 }
 

@@ -64,7 +64,7 @@ class EdgeTrace {
   const Feature* Find(int z) const {
     return z < first_z_ || z >= end_z() ? nullptr : &features_[static_cast<std::size_t>(z - first_z_)];
   }
-  // Feature z, after growing the trace up to it; null before its beginning and beyond its capacity.
+  // Feature z, after growing the trace up to it, or back to it; null beyond its capacity.
   Feature* Touch(int z);
   // Empties it; memory stays.
   void Restart(double cell_m, int first_z);

@@ -11,7 +11,6 @@ namespace {
 
 TEST(EdgeTrace, GrowsToItsCapacityAndNoFurther) {
   EdgeTrace trace(0.15, -3, 5);
-  EXPECT_EQ(trace.Touch(-4), nullptr);
   EXPECT_EQ(trace.Touch(2), nullptr);
   EXPECT_EQ(trace.Find(0), nullptr);
   ASSERT_NE(trace.Touch(1), nullptr);
@@ -21,6 +20,20 @@ TEST(EdgeTrace, GrowsToItsCapacityAndNoFurther) {
   trace.Restart(0.3, 7);
   EXPECT_EQ(trace.features().size(), 0U);
   EXPECT_EQ(trace.first_z(), 7);
+}
+
+TEST(EdgeTrace, GrowsAtBothEnds) {
+  EdgeTrace trace(0.15, -1, 6);
+  trace.Touch(1)->left.cross_m = 0.1F;
+  trace.Touch(-3)->left.cross_m = 0.3F;
+  EXPECT_EQ(trace.first_z(), -3);
+  EXPECT_EQ(trace.end_z(), 2);
+  EXPECT_EQ(trace.Find(1)->left.cross_m, 0.1F);
+  EXPECT_EQ(trace.Find(-3)->left.cross_m, 0.3F);
+  EXPECT_TRUE(std::isnan(trace.Find(-2)->left.cross_m));
+  EXPECT_EQ(trace.Touch(-5), nullptr);
+  EXPECT_NE(trace.Touch(-4), nullptr);
+  EXPECT_EQ(trace.features().size(), 6U);
 }
 
 TEST(EdgeTrace, DrivenBackHasItsSidesAndItsWayTurned) {

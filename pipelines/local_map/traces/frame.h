@@ -56,6 +56,9 @@ struct TraceFrame {
     }
   }
 
+  // That of the same way, driven back: z and u change their signs.
+  TraceFrame Back() const { return {(quarter + 2) % 4, origin}; }
+
   // A direction of the local frame from the z axis, modulo pi: in [-pi/2, pi/2].
   double Direction(double local_rad) const {
     return ModuloAngle(local_rad - quarter * std::numbers::pi / 2, std::numbers::pi);

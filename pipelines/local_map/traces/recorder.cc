@@ -38,6 +38,7 @@ void TraceRecorder::Begin(const LocalGrids& grids, double time_s) {
   votes_.clear();
   still_since_s_ = time_s;
   still_at_ = RobotAt(grids);
+  begun_z_m_ = least_z_m_ = most_z_m_ = still_at_.z_m;
 }
 
 Position TraceRecorder::RobotAt(const LocalGrids& grids) const {
@@ -50,8 +51,10 @@ TraceEnd TraceRecorder::Update(const LocalGrids& grids, double time_s, bool hint
   const auto at = static_cast<int>(std::lround(RobotAt(grids).z_m / trace_.cell_m()));
   const int half = grids.edges().half();
   for (int z = at - half; z <= at + half; ++z) {
+    const int first = trace_.first_z();
     Feature* feature = trace_.Touch(z);
     if (!feature) continue;
+    votes_.insert(votes_.begin(), static_cast<std::size_t>(first - trace_.first_z()), FeatureVotes());
     votes_.resize(trace_.features().size());
     FeatureVotes& votes = votes_[static_cast<std::size_t>(z - trace_.first_z())];
     const Feature now = ColumnOf(grids, frame_, z);
@@ -92,10 +95,15 @@ TraceEnd TraceRecorder::EndOf(const LocalGrids& grids, double time_s) {
   if (std::abs(grids.frame_rad() - frame_rad_) > 1e-9) return TraceEnd::kFrame;
   const Position robot = RobotAt(grids);
   const double turned = std::remainder(grids.pose().heading_rad - heading_rad_, 2 * std::numbers::pi);
-  if (std::abs(turned) > options_.turned_rad || std::abs(robot.u_m) > options_.aside_m)
+  least_z_m_ = std::min(least_z_m_, robot.z_m);
+  most_z_m_ = std::max(most_z_m_, robot.z_m);
+  const double back_m = backwards() ? robot.z_m - least_z_m_ : most_z_m_ - robot.z_m;
+  if (std::abs(turned) > options_.turned_rad || std::abs(robot.u_m) > options_.aside_m ||
+      back_m > options_.back_m)
     return TraceEnd::kTurn;
-  const auto last = static_cast<int>(std::lround(robot.z_m / trace_.cell_m())) + grids.edges().half();
-  if (last - trace_.first_z() >= static_cast<int>(options_.capacity)) return TraceEnd::kFull;
+  const auto at = static_cast<int>(std::lround(robot.z_m / trace_.cell_m())), half = grids.edges().half();
+  const int first = std::min(trace_.first_z(), at - half), end = std::max(trace_.end_z(), at + half + 1);
+  if (end - first > static_cast<int>(options_.capacity)) return TraceEnd::kFull;
   if (std::hypot(robot.z_m - still_at_.z_m, robot.u_m - still_at_.u_m) > options_.still_m ||
       !Blocked(grids, robot)) {
     still_at_ = robot;
@@ -105,15 +113,22 @@ TraceEnd TraceRecorder::EndOf(const LocalGrids& grids, double time_s) {
   return time_s - still_since_s_ > options_.blocked_s ? TraceEnd::kBlocked : TraceEnd::kNone;
 }
 
+// A robot that stands may tremble.
+bool TraceRecorder::backwards() const {
+  const double back_m = begun_z_m_ - least_z_m_;
+  return back_m > options_.still_m && back_m > most_z_m_ - begun_z_m_;
+}
+
 bool TraceRecorder::Blocked(const LocalGrids& grids, const Position& robot) const {
   const double cell_m = trace_.cell_m();
   const auto first = static_cast<int>(std::lround(robot.z_m / cell_m)),
              at = static_cast<int>(std::lround(robot.u_m / cell_m));
   const auto ahead = static_cast<int>(std::ceil(options_.ahead_m / cell_m)),
              beside = static_cast<int>(options_.width_m / cell_m);
-  for (int z = first + 1; z <= first + ahead; ++z)
+  const int way = backwards() ? -1 : 1;
+  for (int z = 1; z <= ahead; ++z)
     for (int u = at - beside; u <= at + beside; ++u) {
-      const CellIndex cell = frame_.CellAt(z, u);
+      const CellIndex cell = frame_.CellAt(first + way * z, u);
       if (grids.occupancy().Occupied(cell.i, cell.j)) return true;
     }
   return false;

@@ -14,14 +14,15 @@ struct RecorderOptions {
   double width_m = 0.3;      // and no further than that from its line
   double still_m = 0.1;      // 'does not move': by less than that
   double turned_rad = 0.35;  // a way is straight while the heading stays within that of it
-  double aside_m = 0.6;      // and the robot within that of its line
+  double aside_m = 0.6;      // and the robot within that of its line,
+  double back_m = 0.6;       // and goes back on it by no more than that
   int votes = 50;            // scans after which a feature changes no more quickly
 };
 
 enum class TraceEnd {
   kNone,     // goes on
   kBlocked,  // by an obstacle that stayed
-  kTurn,     // the robot turned, or left the line
+  kTurn,     // the robot turned, left the line, or went back on it
   kHint,     // the log says so
   kFrame,    // the grids were turned along the walls
   kFull,     // has all the features that it may
@@ -32,14 +33,18 @@ class TraceRecorder {
   // All memory is taken here.
   explicit TraceRecorder(const LocalGrids& grids, const RecorderOptions& options = {});
 
-  // Begins a trace where the robot is, in that of the four directions that it faces. Its features begin where
-  // the grids do.
+  // Begins a trace where the robot is, in that of the four directions that it faces. It grows to either side:
+  // a robot may drive backwards.
   void Begin(const LocalGrids& grids, double time_s);
 
   // Superposes the edge grid upon the trace, after each scan; says whether the trace ends with it. `hint`: a
   // marked time lies since the last call.
   TraceEnd Update(const LocalGrids& grids, double time_s, bool hint = false);
 
+  // Whether the robot has driven further back from where the trace began than ahead.
+  bool backwards() const;
+
+  // In the direction that the robot faced.
   const EdgeTrace& trace() const { return trace_; }
   const TraceFrame& frame() const { return frame_; }
   // The robot in the trace's frame.
@@ -65,6 +70,7 @@ class TraceRecorder {
   double frame_rad_ = 0;    // of the local frame, when the trace began
   double still_since_s_ = 0;
   Position still_at_;
+  double begun_z_m_ = 0, least_z_m_ = 0, most_z_m_ = 0;  // of the robot
 };
 
 }  // namespace cairn::local_map

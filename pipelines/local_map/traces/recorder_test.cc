@@ -42,6 +42,61 @@ TEST(TraceRecorder, HoldsAWayLongerThanTheGrids) {
   EXPECT_GT(niche, 3);
 }
 
+// The same way driven back is the same trace, from its other end.
+TEST(TraceRecorder, FollowsARobotThatDrivesBackwards) {
+  Drive drive(TestCorridor(), {4, 0, 0}, 1);
+  for (int k = 0; k < 12; ++k) drive.StepBack();
+  TraceRecorder recorder(drive.grids());
+  recorder.Begin(drive.grids(), drive.time_s());
+  EXPECT_FALSE(recorder.backwards());
+  for (int k = 0; k < 75; ++k) {
+    drive.StepBack();
+    ASSERT_EQ(recorder.Update(drive.grids(), drive.time_s()), TraceEnd::kNone);
+  }
+  EXPECT_TRUE(recorder.backwards());
+  EXPECT_NEAR(recorder.RobotAt(drive.grids()).z_m, -6, 0.2);
+  const EdgeTrace back = Reversed(recorder.trace());
+  const TraceFrame frame = recorder.frame().Back();
+  EXPECT_EQ(frame.quarter, 2);
+  const double origin_x = frame.origin.i * 0.15;
+  int right = 0, niche = 0;
+  for (int z = 0; z <= 40; ++z) {
+    ASSERT_NE(back.Find(z), nullptr) << z;
+    const Feature& feature = *back.Find(z);
+    const double x = origin_x - z * 0.15;
+    if (feature.right.known()) {
+      EXPECT_NEAR(feature.right.distance_m.centre(), 1, 0.1) << x;
+      ++right;
+    }
+    if (x < 0.4 || x > 1.6 || !feature.left.known()) continue;
+    EXPECT_NEAR(feature.left.distance_m.centre(), 1.5, 0.1) << x;
+    ++niche;
+  }
+  EXPECT_GT(right, 35);
+  EXPECT_GT(niche, 3);
+}
+
+// Who goes back the way that he came begins another trace, which the first one may be found on.
+TEST(TraceRecorder, EndsWhereTheRobotGoesBack) {
+  Drive drive(TestCorridor(), {-4, 0, 0}, 1);
+  drive.Ahead(1);
+  TraceRecorder recorder(drive.grids());
+  for (const bool first_ahead : {true, false}) {
+    recorder.Begin(drive.grids(), drive.time_s());
+    const auto step = [&](bool ahead) {
+      if (ahead)
+        drive.Step();
+      else
+        drive.StepBack();
+      return recorder.Update(drive.grids(), drive.time_s());
+    };
+    for (int k = 0; k < 25; ++k) ASSERT_EQ(step(first_ahead), TraceEnd::kNone);
+    int back = 1;
+    while (back < 25 && step(!first_ahead) == TraceEnd::kNone) ++back;
+    EXPECT_NEAR(back * Drive::kSpeedMS * Drive::kScanS, 0.64, 0.09);
+  }
+}
+
 TEST(TraceRecorder, AllocatesNothingOnceItIsMade) {
   Drive drive(TestCorridor(), {-4, 0, 0}, 1);
   drive.Ahead(1);
@@ -62,6 +117,12 @@ TEST(TraceRecorder, AllocatesNothingOnceItIsMade) {
     }
     EXPECT_GT(recorder.trace().features().size(), 31U);
   }
+  watch([&] { recorder.Begin(drive.grids(), drive.time_s()); });
+  for (int step = 0; step < 20; ++step) {
+    drive.StepBack();
+    watch([&] { recorder.Update(drive.grids(), drive.time_s()); });
+  }
+  EXPECT_GT(recorder.trace().features().size(), 31U);
   EXPECT_EQ(allocated, 0);
 }
 
