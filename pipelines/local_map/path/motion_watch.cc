@@ -20,7 +20,8 @@ struct WatchOf {
 constexpr std::array<WatchOf, 3> kWatches{
     {{0.4, 1.2, 40 * kDeg}, {1.5, 1.2, 40 * kDeg}, {5.0, 0.4, 20 * kDeg}}};
 constexpr std::size_t kLeastBeams = 30;
-constexpr double kTells = 20;  // hits, at least
+constexpr double kTells = 20;    // hits, at least
+constexpr double kInView = 0.5;  // of a scan: what a narrow fan turned away from tells nothing
 
 constexpr double kExplained = 0.8;  // of a scan: nothing else is looked for
 constexpr double kGain = 0.2;       // of a scan that odometry does not explain and another motion does
@@ -34,6 +35,11 @@ constexpr double kMeets = 0.7;  // of a scan, where the other side of a hole may
 constexpr double kElsewhere = 0.5, kStep_m = 0.6, kStep_rad = 40 * kDeg;
 constexpr double kFastest_mps = 0.8, kMostSlip_m = 1.2, kSlip_s = 3;  // that a robot is carried
 constexpr double kMostTurn_rad = 60 * kDeg;
+
+// Whether the scans say otherwise than that motion.
+bool Contradicts(const ScanMotion& near) {
+  return near.tells >= kTells && near.in_view >= kInView && near.share < kExplained;
+}
 
 }  // namespace
 
@@ -104,7 +110,7 @@ void MotionWatch::Compare(std::int32_t watch, const Seen& before, const Seen& no
   const Pose odometry = Between(before.pose, now.pose);
   if (std::abs(odometry.heading_rad) > kMostTurn_rad) return;
   const ScanMotion near = NearOdometry(before.view, now.view, odometry, kExplained);
-  if (near.tells < kTells || near.share >= kExplained) return;
+  if (!Contradicts(near)) return;
   const double over_s = now.time_s - before.time_s;
   const ScanMotion any =
       AnyMotion(before.view, now.view, odometry, kMostTurn_rad, std::min(kMostSlip_m, kFastest_mps * over_s));
@@ -121,7 +127,7 @@ void MotionWatch::CompareOverHole(const Seen& before, const Seen& now) {
   if (std::hypot(meanwhile.x_m, meanwhile.y_m) > kStands_m || std::abs(meanwhile.heading_rad) > kStands_rad)
     return;
   const ScanMotion near = NearOdometry(before.view, now.view, Between(before.pose, now.pose), kExplained);
-  if (near.tells >= kTells && near.share < kExplained) ReportHole(before, now, near);
+  if (Contradicts(near)) ReportHole(before, now, near);
 }
 
 void MotionWatch::CompareOverStep() {

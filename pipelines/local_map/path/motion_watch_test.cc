@@ -152,6 +152,31 @@ TEST(MotionWatch, ANarrowLaserThatTurnsIsNotCarried) {
   }
 }
 
+// What it still sees of a wall agrees with another motion, too: odometry is right all the same.
+TEST(MotionWatch, ANarrowLaserThatTurnsBearsNoWitnessAgainstOdometry) {
+  for (const double sees_deg : {20, 29}) {
+    for (const double way_m : {2, 3, 4}) {
+      WatchedDrive drive(RadOf(sees_deg));
+      drive.Ahead(way_m);
+      for (const double turns : {2, -1, 2, 1, -2, -2}) {
+        drive.Turn(turns * kQuarter_rad, 1);
+        drive.Ahead(0.5);
+      }
+      EXPECT_TRUE(drive.Found().empty()) << sees_deg << " " << way_m;
+    }
+  }
+}
+
+TEST(MotionWatch, ANarrowLaserSaysWhereOdometryCountsATurnThatIsNone) {
+  WatchedDrive drive(RadOf(29));
+  drive.Ahead(4);
+  for (int k = 0; k < 20; ++k) drive.Move({}, {0, 0, kQuarter_rad / 20});
+  const std::vector<Disagreement> found = drive.Found();
+  ASSERT_FALSE(found.empty());
+  EXPECT_NEAR(DegOf(found.front().scans_turn_rad), 0, 10);
+  EXPECT_NEAR(DegOf(found.front().odometry_turn_rad), 90, 25);
+}
+
 // Persons stand before the laser for one scan.
 TEST(MotionWatch, OneScanThatIsSpoiltIsNotACarriedRobot) {
   WatchedDrive drive;

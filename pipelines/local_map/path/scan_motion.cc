@@ -37,21 +37,28 @@ double FromSeen2(const LaserView& view, std::size_t beam, const Point& p, double
   return least;
 }
 
+bool Looks(const LaserView& view, std::int16_t beam, double range_m) {
+  const auto b = static_cast<std::size_t>(beam);
+  return beam >= 0 && b >= view.first_beam && b <= view.last_beam && range_m < view.max_range_m;
+}
+
 ScanMotion Weighed(const LaserView& from, const LaserView& to, const Pose& moved, double more_m = 0) {
   const double c = std::cos(moved.heading_rad), s = std::sin(moved.heading_rad);
-  double near = 0, looked = 0;
+  double near = 0, looked = 0, in_view = 0;
   for (const Point& hit : to.some) {
     const Point p{moved.x_m + c * hit.x_m - s * hit.y_m, moved.y_m + s * hit.x_m + c * hit.y_m};
     const double dx = p.x_m - from.origin.x_m, dy = p.y_m - from.origin.y_m;
     const std::int16_t beam = from.beam_at[DirectionOf(std::atan2(dy, dx))];
+    const double range_m = std::sqrt(dx * dx + dy * dy), within_m = kNear_m + kNearRatio * range_m + more_m;
+    in_view += Looks(from, beam, range_m);
     if (beam < 0 || std::isnan(from.hits[static_cast<std::size_t>(beam)].x_m)) continue;
     ++looked;
-    const double range_m = std::sqrt(dx * dx + dy * dy), within_m = kNear_m + kNearRatio * range_m + more_m;
     near += FromSeen2(from, static_cast<std::size_t>(beam), p, range_m) <= within_m * within_m;
   }
   // A motion that turns most hits out of sight is not explained by the few that are left.
-  const double tells = std::max(looked, static_cast<double>(to.some.size()) / 2);
-  return {moved, tells > 0 ? near / tells : 0, tells, looked};
+  const auto all = static_cast<double>(to.some.size());
+  const double tells = std::max(looked, all / 2);
+  return {moved, tells > 0 ? near / tells : 0, tells, looked, all > 0 ? in_view / all : 0};
 }
 
 // Around `middle`, so many steps to either side.
@@ -107,12 +114,14 @@ LaserView LaserFan::View(const RingScan& scan) const {
   LaserView view;
   view.beam_at = beam_at_;
   view.origin = {beams_.front().x_m, beams_.front().y_m};
+  view.max_range_m = max_range_m_;
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::size_t count = 0;
   for (std::size_t b = 0; b < beams_.size(); ++b) {
     const double range = scan.range_m[b];
     const bool hit = range > 0 && range < max_range_m_;
-    count += hit;
+    if (hit && count++ == 0) view.first_beam = b;
+    if (hit) view.last_beam = b;
     view.hits.push_back(hit ? Point{beams_[b].x_m + range * std::cos(beams_[b].heading_rad),
                                     beams_[b].y_m + range * std::sin(beams_[b].heading_rad)}
                             : Point{kNone, kNone});

@@ -21,6 +21,9 @@ struct LaserView {
   std::vector<Point> some;  // of them that are hits, spread over the scan
   std::span<const std::int16_t>
       beam_at;  // of each half degree from -pi on the beam that points there; -1: none
+  // It looks from the first beam with a hit to the last and so far: a fan may be masked at its sides.
+  std::size_t first_beam = 0, last_beam = 0;
+  double max_range_m = 0;
 };
 
 // A laser's beams, which begin at about one point.
@@ -41,6 +44,7 @@ struct ScanMotion {
   Pose moved;
   double share = 0, tells = 0;  // `tells`: how many hits the share is of, half of all at least
   double looked = 0;            // how many of them lie in such directions
+  double in_view = 0;           // the share of all hits that lie where the first view looks
 };
 
 // How well that motion explains the second view.
