@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "schema/square.h"
+
 namespace cairn::datasets {
 namespace {
 
@@ -84,6 +86,22 @@ Rates Fit(const std::vector<TurnNode>& nodes, bool scaled) {
   if (!scaled) return {.per_m = wa / ww};
   const double determinant = ww * tt - wt * wt;
   return {(wa * tt - ta * wt) / determinant, (ta * ww - wa * wt) / determinant};
+}
+
+// Whether turns of the path tell a scale: they outweigh what such rates leave. Of a robot that hardly turns
+// odometry's drift alone is left, which looks like turns that are all too large.
+bool TurnsTell(const std::vector<TurnNode>& nodes, const Rates& rates) {
+  constexpr double kOutweigh = 10;
+  double turned = 0, left = 0;
+  for (std::size_t n = 1; n < nodes.size(); ++n) {
+    const double way = nodes[n].travelled_m - nodes[n - 1].travelled_m,
+                 by = nodes[n].walls_rad - nodes[n - 1].walls_rad,
+                 of_path = nodes[n].heading_rad - nodes[n - 1].heading_rad, turn = of_path + by,
+                 weight = 1 / (way + turn * turn);
+    turned += weight * of_path * of_path;
+    left += weight * Square(by - rates.per_m * way - rates.scale * turn);
+  }
+  return turned > kOutweigh * left;
 }
 
 // What is left over each window.
@@ -174,7 +192,8 @@ WallTurns FindWallTurns(const kinds::LocalMap::Robot& robot) {
   const std::vector<TurnNode> nodes = NodesAlong(robot);
   if (nodes.size() <= kWindow) return turns;
   turns.path_m = nodes.back().travelled_m;
-  const Rates rates = Fit(nodes, true);
+  const Rates drift = Fit(nodes, false), scaled = Fit(nodes, true),
+              rates = TurnsTell(nodes, scaled) ? scaled : drift;
   turns.turn_scale = rates.scale;
   std::vector<double> left = Left(nodes, rates);
   TakeMedianOff(&left);
@@ -182,7 +201,6 @@ WallTurns FindWallTurns(const kinds::LocalMap::Robot& robot) {
   for (const double turn : left) squares += turn * turn;
   turns.rms_rad = std::sqrt(squares / static_cast<double>(left.size()));
   turns.sd_rad = RobustSd(left);
-  const Rates drift = Fit(nodes, false);
   turns.drift_rad = drift.per_m * turns.path_m;
   const std::vector<double> unscaled = Left(nodes, drift);
   CountPlaces(unscaled, &turns);

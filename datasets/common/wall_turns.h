@@ -13,7 +13,7 @@ namespace cairn::datasets {
 struct WallTurns {
   double path_m = 0;      // 0: no walls were seen
   double drift_rad = 0;   // the drift that was taken off, over the whole path
-  double turn_scale = 0;  // what odometry would make too much of its turns
+  double turn_scale = 0;  // what odometry would make too much of its turns; 0 where the path hardly has any
   // Turns less that share of odometry's and their median: root mean square, and what most are within (1.48
   // medians).
   double rms_rad = 0, sd_rad = 0;

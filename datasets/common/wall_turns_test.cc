@@ -73,6 +73,16 @@ TEST(FindWallTurns, OdometrysDriftIsNoTurnOfTheWalls) {
   EXPECT_EQ(FindWallTurns({}).path_m, 0);
 }
 
+// A shuttle in a corridor: its odometry drifts, and nothing tells of turns.
+TEST(FindWallTurns, ARobotThatNeverTurnsTellsNoScaleOfTurns) {
+  kinds::LocalMap::Robot robot = Rounds{.drift_rad_per_m = 0.01, .walk_rad = 0.02}.Make();
+  robot.poses.heading_rad = std::vector<double>(robot.poses.time_s.vector().size(), 0);
+  const WallTurns turns = FindWallTurns(robot);
+  EXPECT_EQ(turns.turn_scale, 0);
+  EXPECT_NEAR(turns.drift_rad, 3, 1);
+  EXPECT_NEAR(turns.rms_rad, 0.02 * std::sqrt(2), 0.01);
+}
+
 // A triangle's corners are all alike, and look as if odometry made too much of each turn; those of an
 // irregular building are not.
 TEST(FindWallTurns, CornersThatAreNotRightAnglesShow) {
