@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,24 +47,38 @@ double StepM(const kinds::PoseTable& poses, std::size_t i) {
   return std::hypot(poses.x_m[i] - poses.x_m[i - 1], poses.y_m[i] - poses.y_m[i - 1]);
 }
 
-// No span can go over the first and the last metres; the time of a tenth of the way, but no more than so far.
-Span WithoutEnds(const std::vector<Span>& spans, const kinds::PoseTable& poses) {
-  constexpr double kEnds = 0.1, kMost_m = 8;
-  const Span whole = Within(spans, 0), inner = Within(spans, kEnds);
-  Span without = whole;
-  const std::size_t count = poses.time_s.OrNone().size();
-  double way_m = 0;
-  for (std::size_t i = 1; i < count && way_m < kMost_m; ++i) {
-    if (poses.time_s[i] > whole.first) way_m += StepM(poses, i);
-    without.first = std::max(whole.first, poses.time_s[i]);
+// How far a robot has travelled when.
+class Travelled {
+ public:
+  explicit Travelled(const kinds::PoseTable& poses) : time_s_(poses.time_s.OrNone()) {
+    for (std::size_t i = 0; i < time_s_.size(); ++i)
+      way_m_.push_back(i == 0 ? 0 : way_m_.back() + StepM(poses, i));
   }
-  way_m = 0;
-  for (std::size_t i = count; i-- > 1 && way_m < kMost_m;) {
-    if (poses.time_s[i - 1] < whole.second) way_m += StepM(poses, i);
-    without.second = std::min(whole.second, poses.time_s[i - 1]);
+  double At(double time_s) const { return Interpolated(time_s_, way_m_, time_s); }
+  double When(double way_m) const { return Interpolated(way_m_, time_s_, way_m); }
+
+ private:
+  static double Interpolated(std::span<const double> from, std::span<const double> to, double at) {
+    const auto next = static_cast<std::size_t>(std::ranges::lower_bound(from, at) - from.begin());
+    if (next == 0 || next == from.size()) return next == 0 ? to.front() : to.back();
+    return std::lerp(to[next - 1], to[next], (at - from[next - 1]) / (from[next] - from[next - 1]));
   }
-  if (count < 2) return inner;
-  return {std::min(without.first, inner.first), std::max(without.second, inner.second)};
+
+  std::span<const double> time_s_;
+  std::vector<double> way_m_;
+};
+
+// No span can go over the first and the last metres: a tenth of the way, but no more than so far. By way and
+// not by time: a robot that stands makes no end longer.
+Span WithoutEnds(const std::vector<Span>& spans, const kinds::PoseTable& poses, double most_m) {
+  constexpr double kEnds = 0.1;
+  const Span whole = Within(spans, 0);
+  if (poses.time_s.OrNone().empty()) return Within(spans, kEnds);
+  const Travelled travelled(poses);
+  const double from_m = travelled.At(whole.first), to_m = travelled.At(whole.second),
+               ends_m = std::min(most_m, kEnds * (to_m - from_m));
+  if (ends_m == 0) return Within(spans, kEnds);
+  return {travelled.When(from_m + ends_m), travelled.When(to_m - ends_m)};
 }
 
 WeakestTime FindWeakestTime(const std::vector<Span>& spans, const Span& when) {
@@ -87,12 +102,11 @@ WeakestTime FindWeakestTime(const std::vector<Span>& spans, const Span& when) {
 }
 
 // Of those that tell the distance along that axis which fewer tell, over the same time as of all, without a
-// tenth at either end: few rooms and corridors show soon how far along them a robot is.
-WeakestTime FindWeakestAxis(const std::vector<Tie>& ties) {
-  constexpr double kEnds = 0.1;
+// tenth of the way at either end: few rooms and corridors show soon how far along them a robot is.
+WeakestTime FindWeakestAxis(const std::vector<Tie>& ties, const kinds::PoseTable& poses) {
   std::vector<Span> all;
   for (const Tie& tie : ties) all.push_back(tie.span);
-  const Span when = Within(all, kEnds);
+  const Span when = WithoutEnds(all, poses, HUGE_VAL);
   WeakestTime weakest{when.first, ties.size()};
   for (const bool Tie::* axis : {&Tie::x, &Tie::y}) {
     std::vector<Span> spans;
@@ -249,16 +263,18 @@ struct Weakest {
 };
 
 Weakest FindWeakest(const kinds::LocalMap& map, const Loops& loops) {
+  constexpr double kEnd_m = 8;
   Weakest weakest{{0, loops.all + 1}, {0, loops.all + 1}};  // more than there can be
   for (std::size_t r = 0; r < loops.closed.size(); ++r) {
     const std::vector<Tie>& of_robot = loops.closed[r];
     if (of_robot.empty()) continue;
     std::vector<Span> spans;
     for (const Tie& tie : of_robot) spans.push_back(tie.span);
-    const WeakestTime least = FindWeakestTime(spans, WithoutEnds(spans, map.robot[r].poses));
+    const WeakestTime least = FindWeakestTime(spans, WithoutEnds(spans, map.robot[r].poses, kEnd_m));
     if (least.spans < weakest.time.spans) weakest.time = least;
     weakest.open_m = std::max(weakest.open_m, LongestOpenWay(of_robot, map.robot[r].poses));
-    if (const WeakestTime time = FindWeakestAxis(of_robot); time.spans < weakest.along_axis.spans)
+    if (const WeakestTime time = FindWeakestAxis(of_robot, map.robot[r].poses);
+        time.spans < weakest.along_axis.spans)
       weakest.along_axis = time;
   }
   return weakest;

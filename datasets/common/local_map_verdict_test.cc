@@ -267,6 +267,41 @@ TEST(LocalMapVerdict, OfALongDriveTheEndsAreShort) {
       << LocalMapVerdict(map).why;
 }
 
+// A robot stands for long before its first way, amid it or after its last: loops go over its way, and none
+// over where it stands at an end.
+TEST(LocalMapVerdict, ARobotThatStandsMakesNoEndLonger) {
+  const auto verdict_of = [](double stands_from_s, double stands_until_s) {
+    const auto after_stand = [&](double moved_s) {
+      return moved_s <= stands_from_s ? moved_s : moved_s + stands_until_s - stands_from_s;
+    };
+    auto loops = Loops(30, after_stand(4), after_stand(96));
+    loops.emplace_back(0, stands_until_s - stands_from_s + 100);  // recorded while it stood
+    Blob map = LocalMapOf(loops);
+    std::vector<std::uint8_t> tells(loops.size(), 1);
+    map.PutVector("connections/tells_x", tells);
+    map.PutVector("connections/tells_y", tells);
+    std::vector<double> time_s;
+    std::vector<Pose> at;
+    for (int k = 0; k <= 200; ++k) {
+      if (k / 2.0 == stands_from_s) {
+        time_s.push_back(stands_from_s);
+        at.push_back({0.4 * stands_from_s, 0, 0});
+      }
+      time_s.push_back(k / 2.0 < stands_from_s ? k / 2.0 : k / 2.0 + stands_until_s - stands_from_s);
+      at.push_back({0.2 * k, 0, 0});
+    }
+    kinds::PoseTable poses;
+    poses.Set(time_s, at);
+    map.PutAll("robot/0/poses/", BlobOf(poses));
+    return LocalMapVerdict(map).Text();
+  };
+  const std::string high = "high: the path closes all of 31 loops";
+  EXPECT_EQ(verdict_of(0, 0), high);
+  EXPECT_EQ(verdict_of(0, 200), high);
+  EXPECT_EQ(verdict_of(50, 250), high);
+  EXPECT_EQ(verdict_of(100, 300), high);
+}
+
 // Along an axis that loops tell from half-way on alone, nothing ties the first half.
 TEST(LocalMapVerdict, AnAxisIsJudgedOverTheWholeDrive) {
   auto loops = Loops(50, 1, 100);
