@@ -83,7 +83,7 @@ double WorkOf(const RangeScans& scans, double cell_m) {
   double cells = 0;
   for (const double measured : scans.range_m.As<double>())
     cells += CellsOf(std::isnan(measured) ? scans.max_range_m : measured, scans.opening_rad, cell_m);
-  return cells;
+  return std::min(cells, kMostWork);
 }
 
 GridBox GridIn(const Inputs& inputs, const Options& options) {

@@ -156,6 +156,23 @@ TEST(EvidenceMap, OfRobotsWithoutACommonFrameItTakesOne) {
   EXPECT_FALSE(map("other")->at("map/grid/probability") == alone->at("map/grid/probability"));
 }
 
+// As far as the sensor reaches, which may be far beyond the map.
+TEST(EvidenceMap, ReadingsWithoutAnAnswerMayTellOfAnyNumberOfCells) {
+  Options options;
+  options.grid.cell_m = 0.01;
+  options.use_no_return = false;
+  auto log = std::make_shared<Blob>(Room{.scans = 60, .beams = 72, .opening_rad = 1}.Log());
+  const std::string sonar = "robot/0/sonar/";
+  const Array& range_m = log->at(sonar + "range_m");
+  std::vector<double> unanswered(range_m.As<double>().begin(), range_m.As<double>().end());
+  std::fill(unanswered.begin() + std::ssize(unanswered) / 10, unanswered.end(),
+            std::numeric_limits<double>::quiet_NaN());
+  ASSERT_GT(unanswered.size(), 4000U);
+  log->Put(sonar + "range_m", Array::Of(range_m.shape(), unanswered));
+  log->PutScalar(sonar + "max_range_m", 1e4);
+  EXPECT_TRUE(RunInProcess(EvidenceMap(options, 7), {{"log", log}})->Has("map/grid/probability"));
+}
+
 TEST(EvidenceMap, RefusesALogWithoutRangeScans) {
   Blob log;
   log.Put("robots", Array::Texts({"ann"}));

@@ -120,7 +120,7 @@ std::vector<PartFacts> FactsIn(const Blob& partial, std::size_t parts) {
   for (const PartFacts& of : facts) {
     for (const double at : {of.x0_m, of.y0_m, of.x1_m, of.y1_m})
       RequireWithin("what beams met", at, -kFar_m, kFar_m);
-    RequireWithin("work", of.work, 0.0, 1e15);
+    RequireWithin("work", of.work, 0.0, kMostWork);
     RequireWithin("readings", of.readings, 0, std::int64_t{1} << 40);
   }
   return facts;
