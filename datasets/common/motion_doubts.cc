@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -206,13 +207,16 @@ std::vector<double> ErrorsOf(const std::vector<SeenTurn>& turns, const Reckoning
   return errors;
 }
 
+// Drifts to either side: those of most robots, and those of one whose wheels differ by a tenth.
+constexpr int kDrifts = 12, kStrongDrifts = 100;
+
 // With the drift that fits best: a strong one must not be taken for another mistake, nor hide one.
-std::vector<double> ErrorsOfBestDrift(const std::vector<SeenTurn>& turns, const Reckoning& odometry) {
-  constexpr int kSteps = 12;  // to either side
+std::vector<double> ErrorsOfBestDrift(const std::vector<SeenTurn>& turns, const Reckoning& odometry,
+                                      int steps = kDrifts) {
   constexpr double kStep_rad_per_m = 0.25 * std::numbers::pi / 180;
   std::vector<double> best;
   double least = std::numeric_limits<double>::infinity();
-  for (int k = -kSteps; k <= kSteps; ++k) {
+  for (int k = -steps; k <= steps; ++k) {
     std::vector<double> errors = ErrorsOf(turns, odometry, k * kStep_rad_per_m);
     const double sum = std::accumulate(errors.begin(), errors.end(), 0.0);
     if (sum >= least) continue;
@@ -338,11 +342,12 @@ double FinerDelay_s(double around_s, const ErrorsWith& errors_with) {
 }
 
 // The mistake that fits best, if one fits better than none. Where odometry was between two rows nobody knows:
-// no delay shorter than `row_s` is one.
+// no delay shorter than `row_s` is one. Nor is anything one that a strong drift of the heading explains
+// better, with the errors that `drifting` gives: that a map finds out.
 template <class ErrorsWith>
 std::optional<std::string> Best(std::span<const Mistake> mistakes, double part, const char* what,
                                 std::span<const double> as_is, const ErrorsWith& errors_with,
-                                double row_s = 0) {
+                                double row_s = 0, const std::function<std::vector<double>()>& drifting = {}) {
   if (as_is.size() < kFewPairs) return std::nullopt;
   constexpr double kAboutARow = 0.9;
   const Mistake* best = nullptr;
@@ -356,6 +361,7 @@ std::optional<std::string> Best(std::span<const Mistake> mistakes, double part, 
     best = &mistake;
   }
   if (best == nullptr) return std::nullopt;
+  if (drifting && IsBetter(Compare(errors_with(best->reading), drifting()), part)) return std::nullopt;
   std::string question;
   if (best->question != nullptr) {
     question = best->question;
@@ -410,7 +416,7 @@ std::optional<std::string> DoubtSeenAgain(const kinds::Log::Observations& seen,
   return Best(
       kOfTurns, kPartOfTurns, "observations", ErrorsOfBestDrift(turns, as_is),
       [&](const Reading& reading) { return ErrorsOfBestDrift(turns, Reckoning(odometry, reading)); },
-      UsualRow_s(odometry));
+      UsualRow_s(odometry), [&] { return ErrorsOfBestDrift(turns, as_is, kStrongDrifts); });
 }
 
 std::vector<SeenTurn> Turned(std::vector<SeenTurn> seen, double angle_rad) {

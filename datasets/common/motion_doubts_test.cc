@@ -219,6 +219,19 @@ TEST(MotionDoubts, AStrongDriftIsToldFromAnotherClock) {
   }
 }
 
+// Of a robot one wheel of which is a tenth larger than the other. It hides no mirror.
+TEST(MotionDoubts, AVeryStrongDriftIsToldFromTurnsTheWrongWay) {
+  for (const double drift : {-20.0, -13.0, 13.0, 20.0}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      kinds::Log log = Slalom(drift * std::numbers::pi / 180, 0, 0.01, seed);
+      EXPECT_EQ(All(FindMotionDoubts(log)), "") << drift << ' ' << seed;
+      log = Slalom(0, 0, 0.01, seed);
+      log.robot[0].observations.bearing_rad = Each(log.robot[0].observations.bearing_rad, std::negate());
+      EXPECT_NE(All(FindMotionDoubts(log)).find("clockwise?"), std::string::npos) << seed;
+    }
+  }
+}
+
 // The number before " s earlier"; none is said: 0.
 double EarlierByS(const std::string& doubts) {
   const std::size_t end = doubts.find(" s earlier");
