@@ -329,7 +329,7 @@ JointRefinement RefineJointly(const kinds::Log& log, const std::vector<Associate
                           landmarks,
                           {},
                           FitOf(built.problem, problem, end.point),
-                          FindSensorShifts(problem, end.point, built.odometry),
+                          FindSensorShifts(problem, end.point, built.odometry, built.expected.odometry),
                           problem,
                           end.point};
   refined.covariance = covariances.joint;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 
 namespace cairn::landmark_map {
 namespace {
@@ -195,6 +196,14 @@ Eigen::VectorXd PathMatrix::Solve(const Eigen::VectorXd& right_side) const {
     }
   }
   return solution;
+}
+
+double PathMatrix::LogDeterminant() const {
+  double sum = rest_size_ > 0 ? rest_factor_.vectorD().array().log().sum() : 0.0;
+  for (const Segment& segment : segments_)
+    for (int k = 0; k < segment.poses; ++k)
+      sum -= std::log(factor_[static_cast<std::size_t>(segment.first + k)].own.determinant());
+  return sum;
 }
 
 // Backwards through each segment: a pose is what the next one and the border make of it, with an error of its

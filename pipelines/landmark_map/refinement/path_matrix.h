@@ -36,6 +36,8 @@ class PathMatrix {
   bool Factorise(double damping);
   // By the factor made last.
   Eigen::VectorXd Solve(const Eigen::VectorXd& right_side) const;
+  // Of the matrix factorised last.
+  double LogDeterminant() const;
 
   // Entries of the inverse of the matrix factorised last, where entries can be added.
   class Inverse {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <cmath>
 
 #include "pipelines/landmark_map/testing.h"
 
@@ -96,6 +97,17 @@ TEST(PathMatrix, HasTheEntriesOfTheWholeInverse) {
     const int first = 1, count = example.shared - 1;
     EXPECT_LT((entries.OfShared(first, count) - inverse.bottomRightCorner(count, count)).norm(),
               1e-9 * inverse.norm());
+  }
+}
+
+TEST(PathMatrix, HasTheDeterminantOfTheWholeMatrix) {
+  const Example example(kChainsOfAllLengths);
+  const double expected = example.dense.fullPivLu().matrixLU().diagonal().cwiseAbs().array().log().sum();
+  for (const int segment_poses : {1, 7, 64}) {
+    PathMatrix matrix(example.chains, example.shared, example.couplings, segment_poses);
+    example.Fill(&matrix);
+    ASSERT_TRUE(matrix.Factorise(0.0));
+    EXPECT_NEAR(matrix.LogDeterminant(), expected, 1e-9 * std::abs(expected)) << segment_poses;
   }
 }
 

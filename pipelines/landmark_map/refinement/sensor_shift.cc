@@ -7,13 +7,17 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <map>
+#include <numbers>
 #include <set>
 #include <utility>
 
 #include "pipelines/landmark_map/refinement/joint_equations.h"
 #include "pipelines/landmark_map/refinement/refined_path.h"
+#include "pipelines/landmark_map/refinement/width_estimate.h"
 #include "schema/geometry.h"
+#include "schema/middle.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -26,20 +30,60 @@ constexpr int kStepsOfShift = 20;
 constexpr double kLeast_nats = 10.0, kLeastEach_nats = 0.02;  // to gain, in all and an observation
 constexpr std::size_t kMostSightings = 2000;                  // that many tell it as well as more
 
-// The odometry that a clock would have recorded which is so much later. Between two rows all goes on evenly.
-Odometry Later(Odometry odometry, double late_s) {
-  const Odometry was = odometry;
-  for (std::size_t i = 0; i < was.time_s.size(); ++i) {
-    const double time_s = std::clamp(was.time_s[i] - late_s, was.time_s.front(), was.time_s.back());
-    const auto after = std::ranges::upper_bound(was.time_s, time_s) - was.time_s.begin();
-    const auto k = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(after, 1, std::ssize(was.time_s) - 1));
-    const double length_s = was.time_s[k] - was.time_s[k - 1];
-    const double part = length_s > 0.0 ? (time_s - was.time_s[k - 1]) / length_s : 1.0;
-    odometry.x_m[i] = std::lerp(was.x_m[k - 1], was.x_m[k], part);
-    odometry.y_m[i] = std::lerp(was.y_m[k - 1], was.y_m[k], part);
-    odometry.heading_rad[i] = std::lerp(was.heading_rad[k - 1], was.heading_rad[k], part);
+// Where a robot is by its odometry, at times that are all different: several rows of one time are one motion.
+struct Reckoned {
+  std::vector<double> time_s;
+  std::vector<Pose> at;
+
+  explicit Reckoned(const Odometry& odometry) {
+    for (std::size_t i = 0; i < odometry.time_s.size(); ++i) {
+      const Pose pose{odometry.x_m[i], odometry.y_m[i], odometry.heading_rad[i]};
+      if (!time_s.empty() && odometry.time_s[i] <= time_s.back()) {
+        at.back() = pose;
+        continue;
+      }
+      time_s.push_back(odometry.time_s[i]);
+      at.push_back(pose);
+    }
   }
-  return odometry;
+
+  // Between two times all goes on evenly; the heading is not wrapped.
+  Pose At(double time) const {
+    const auto after = std::ranges::upper_bound(time_s, time) - time_s.begin();
+    if (after == 0 || after == std::ssize(time_s)) return after == 0 ? at.front() : at.back();
+    const auto k = static_cast<std::size_t>(after);
+    const double part = (time - time_s[k - 1]) / (time_s[k] - time_s[k - 1]);
+    return {std::lerp(at[k - 1].x_m, at[k].x_m, part), std::lerp(at[k - 1].y_m, at[k].y_m, part),
+            std::lerp(at[k - 1].heading_rad, at[k].heading_rad, part)};
+  }
+};
+
+// The odometry that a clock would have recorded which is so much later. From one time to the next it turns to
+// where it goes, goes there, and turns on.
+Odometry Later(const Odometry& was, double late_s) {
+  const Reckoned reckoned(was);
+  Odometry later;
+  const auto add = [&](double time_s, const Pose& at, double heading_rad) {
+    later.time_s.push_back(time_s);
+    later.x_m.push_back(at.x_m);
+    later.y_m.push_back(at.y_m);
+    later.heading_rad.push_back(heading_rad);
+  };
+  Pose before = reckoned.At(reckoned.time_s.front() - late_s);
+  add(reckoned.time_s.front(), before, before.heading_rad);
+  for (std::size_t i = 1; i < reckoned.time_s.size(); ++i) {
+    constexpr double kStands_m = 1e-6;
+    const Pose at = reckoned.At(reckoned.time_s[i] - late_s);
+    const double dx = at.x_m - before.x_m, dy = at.y_m - before.y_m;
+    const double middle = 0.5 * (before.heading_rad + at.heading_rad);
+    // Ahead or backwards.
+    double off = std::remainder(std::atan2(dy, dx) - middle, std::numbers::pi);
+    if (std::hypot(dx, dy) < kStands_m) off = 0.0;
+    add(reckoned.time_s[i], at, middle + off);
+    add(reckoned.time_s[i], at, at.heading_rad);
+    before = at;
+  }
+  return later;
 }
 
 // [N]: the number of the place where each node is; nodes at which a robot stands are at one.
@@ -63,8 +107,10 @@ std::vector<int> PlacesOf(const NodeTrack& track) {
 class RobotAlone {
  public:
   RobotAlone(const LeastSquaresProblem& problem, const LeastSquaresPoint& point, const Odometry& odometry,
-             std::size_t robot)
-      : odometry_(odometry) {
+             const EdgeWidths& expected, std::size_t robot)
+      : expected_{expected},
+        odometry_(odometry),
+        row_s_(MiddlePause(std::span(odometry.time_s), 1).value_or(0.0)) {
     LeastSquaresProblem alone = problem;
     alone.robots = {problem.robots[robot]};
     alone.widths = {problem.widths[robot]};
@@ -93,6 +139,10 @@ class RobotAlone {
   }
 
   const LeastSquaresPoint& point() const { return point_; }
+  // What was expected of its odometry's widths, [1], and those that its problems have.
+  const std::vector<EdgeWidths>& expected() const { return expected_; }
+  void SetWidths(const EdgeWidths& widths) { problem_.widths = {widths}; }
+  double row_s() const { return row_s_; }  // as long as a row of its odometry usually is
   const std::vector<Sighting>& sightings() const { return problem_.sightings; }
 
   LeastSquaresProblem Under(const SensorUnknowns& shift) const {
@@ -116,7 +166,9 @@ class RobotAlone {
  private:
   LeastSquaresProblem problem_;
   LeastSquaresPoint point_;
+  std::vector<EdgeWidths> expected_;
   const Odometry& odometry_;
+  double row_s_;
 };
 
 // A step of Gauss and Newton in which the shift moves with all other unknowns, which are eliminated: of the
@@ -245,8 +297,42 @@ bool TellsThePlace(const RobotAlone& shifted, const LeastShift& mount) {
   return !is_at_the_end && ShiftEquations(shifted, mount.at, mount.end.point).PlaceSd_m() <= kKnown_m;
 }
 
+// A shift with the widths of odometry that go with it: estimated without it they take up what it leaves.
+struct Model {
+  LeastShift shift;
+  EdgeWidths widths;
+  double nats = std::numeric_limits<double>::infinity();  // NegativeLogEvidence
+};
+
+Model ModelOf(const RobotAlone& shifted, const LeastShift& shift) {
+  LeastSquaresProblem problem = shifted.Under(shift.at);
+  Model model{shift, problem.widths[0]};
+  if (!SettleOdometryWidths(shifted.expected(), &problem, &model.shift.end)) return model;
+  model.widths = problem.widths[0];
+  model.nats = NegativeLogEvidence(shifted.expected(), problem, model.shift.end.point);
+  return model;
+}
+
+// Narrower widths tell the lateness better, and that makes them narrower again.
+Model SettledLateness(RobotAlone shifted, const LeastShift& late) {
+  constexpr int kRounds = 3;
+  constexpr double kSettled_s = 0.01;
+  Model model = ModelOf(shifted, late);
+  for (int round = 0; round < kRounds && std::isfinite(model.nats); ++round) {
+    shifted.SetWidths(model.widths);
+    const LeastShift from{model.shift.at, Descend(shifted.Under(model.shift.at), model.shift.end.point,
+                                                  kStepsOfShift, kNearTheLeast)};
+    Model next = ModelOf(shifted, FindLeastShift(shifted, from, 0, 1));
+    const double change_s = std::abs(next.shift.at[0] - model.shift.at[0]);
+    if (next.nats < model.nats) model = std::move(next);
+    if (change_s < kSettled_s) break;
+  }
+  return model;
+}
+
 SensorShift ShiftOf(const RobotAlone& shifted) {
   constexpr double kWorthALook = 0.3;  // of what is to gain
+  constexpr double kTied_nats = 3.0, kOfARow = 0.5;
   const double enough =
       std::max(kLeast_nats, kLeastEach_nats * static_cast<double>(shifted.sightings().size()));
   const ShiftEquations equations(shifted, SensorUnknowns::Zero(), shifted.point());
@@ -259,24 +345,39 @@ SensorShift ShiftOf(const RobotAlone& shifted) {
                                                             : as_is;
   };
   const auto gain = [&](const LeastShift& found) { return as_is.end.cost - found.end.cost; };
-  const LeastShift late = look(0, 1, late_promises, mount_promises);
+  LeastShift late = look(0, 1, late_promises, mount_promises);
   LeastShift mount = look(1, 3, mount_promises, gain(late));
   if (!TellsThePlace(shifted, mount)) mount = FindLeastShift(shifted, as_is, 3, 1);
+  // Where odometry was between two rows nobody knows.
+  if (std::abs(late.at[0]) <= kOfARow * shifted.row_s()) late = as_is;
   // What explains more: the one may look like a little of the other.
   if (std::max(gain(mount), gain(late)) < enough) return {};
-  if (gain(late) >= gain(mount)) return {late.at[0]};
+  SensorShift found;
+  double ahead_nats = gain(late) - gain(mount);
+  if (gain(late) >= kWorthALook * enough) {
+    const Model model = SettledLateness(shifted, late);
+    ahead_nats = ModelOf(shifted, mount).nats - model.nats;
+    late = model.shift;
+  }
+  const bool mount_explains = gain(mount) >= enough;
+  if (ahead_nats > -kTied_nats || !mount_explains) found.late_s = late.at[0];
+  if (ahead_nats >= kTied_nats || !mount_explains) return found;
   const LeastShift turned = FindLeastShift(shifted, as_is, 3, 1);
-  if (gain(mount) - gain(turned) < enough) return {0, -turned.at[3]};
-  return {0, -mount.at[3], mount.at[1], mount.at[2]};
+  if (gain(mount) - gain(turned) < enough) mount = turned;
+  found.turned_rad = -mount.at[3];
+  found.x_m = mount.at[1];
+  found.y_m = mount.at[2];
+  return found;
 }
 
 }  // namespace
 
 std::vector<SensorShift> FindSensorShifts(const LeastSquaresProblem& problem, const LeastSquaresPoint& point,
-                                          std::span<const Odometry> odometry) {
+                                          std::span<const Odometry> odometry,
+                                          std::span<const EdgeWidths> expected) {
   std::vector<SensorShift> shifts(odometry.size());
   for (std::size_t r = 0; r < odometry.size(); ++r) {
-    const RobotAlone shifted(problem, point, odometry[r], r);
+    const RobotAlone shifted(problem, point, odometry[r], expected[r], r);
     if (!shifted.sightings().empty()) shifts[r] = ShiftOf(shifted);
   }
   return shifts;

@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <numbers>
 #include <vector>
@@ -33,6 +38,93 @@ TEST(FindSensorShifts, FindByHowMuchAndWhichIsLate) {
       ASSERT_TRUE(map->Has("robot/0/observations_late_s")) << named << ", " << late_s;
       EXPECT_NEAR(map->Scalar<double>("robot/0/observations_late_s"), late_s, 0.1) << named;
     }
+  }
+}
+
+// A robot of 1 m/s in bends to either side, whose odometry is of poses: of each time a row that turns and
+// goes, and one that turns on.
+struct EvenDrive {
+  std::vector<double> time_s;
+  std::vector<Pose> at;
+  Blob log;
+
+  explicit EvenDrive(double late_s, std::uint64_t seed = 1) {
+    constexpr double kRow_s = 0.2, kReach_m = 8.0;
+    Rng rng(seed);
+    std::vector<Point> posts;
+    for (int p = 0; p < 14; ++p) posts.push_back({rng.Uniform(-10, 14), rng.Uniform(-8, 14)});
+    std::vector<double> row_s, turn, forward, seen_s, range, bearing;
+    std::vector<std::int32_t> landmark;
+    Pose pose;
+    for (int k = 1; k <= 700; ++k) {
+      const double turned = 0.1 * std::sin(0.06 * k) + 0.04;
+      pose = Compose(Compose(pose, {0, 0, 0.5 * turned}), {kRow_s, 0, 0});
+      pose.heading_rad += 0.5 * turned;
+      time_s.push_back(kRow_s * k);
+      at.push_back(pose);
+      const double said = turned + 0.002 * rng.Normal();
+      row_s.insert(row_s.end(), 2, time_s.back());
+      turn.insert(turn.end(), 2, 0.5 * said);
+      forward.insert(forward.end(), {kRow_s + 0.002 * rng.Normal(), 0.0});
+      for (int p = 0; p < 14 && k % 5 == 0; ++p) {
+        const Pose seen = Between(
+            pose, {posts[static_cast<std::size_t>(p)].x_m, posts[static_cast<std::size_t>(p)].y_m, 0});
+        if (seen.x_m <= 0 || std::hypot(seen.x_m, seen.y_m) > kReach_m) continue;
+        seen_s.push_back(time_s.back() + late_s);
+        landmark.push_back(p);
+        range.push_back(std::hypot(seen.x_m, seen.y_m) + 0.05 * rng.Normal());
+        bearing.push_back(std::atan2(seen.y_m, seen.x_m) + 0.02 * rng.Normal());
+      }
+    }
+    log = PostsLog{.named = true}.Make();
+    log.Put("landmarks",
+            Array::Texts({"a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n"}));
+    log.PutVector("robot/0/odometry/time_s", row_s);
+    log.PutVector("robot/0/odometry/turn_rad", turn);
+    log.PutVector("robot/0/odometry/forward_m", forward);
+    log.PutVector("robot/0/observations/landmark", landmark);
+    log.PutVector("robot/0/observations/time_s", seen_s);
+    log.PutVector("robot/0/observations/range_m", range);
+    log.PutVector("robot/0/observations/bearing_rad", bearing);
+  }
+
+  // What the map's path is off from the true one, at most, the one laid on the other.
+  double FurthestOff_m(const Blob& map) const {
+    const auto time = map.Get<double>("robot/0/poses/time_s"), x = map.Get<double>("robot/0/poses/x_m"),
+               y = map.Get<double>("robot/0/poses/y_m");
+    std::vector<Eigen::Vector2d> mapped, right;
+    for (std::size_t i = 0, k = 0; i < time.size(); ++i) {
+      while (k < time_s.size() && time_s[k] < time[i] - 1e-6) ++k;
+      if (k == time_s.size() || time_s[k] > time[i] + 1e-6) continue;
+      mapped.emplace_back(x[i], y[i]);
+      right.emplace_back(at[k].x_m, at[k].y_m);
+    }
+    const auto columns = [](const std::vector<Eigen::Vector2d>& points) {
+      return Eigen::Map<const Eigen::Matrix2Xd>(points.front().data(), 2, std::ssize(points));
+    };
+    const Eigen::Matrix3d onto = Eigen::umeyama(columns(mapped), columns(right), false);
+    const Eigen::Matrix2Xd off =
+        ((onto.topLeftCorner<2, 2>() * columns(mapped)).colwise() + onto.topRightCorner<2, 1>()) -
+        columns(right);
+    return off.colwise().norm().maxCoeff();
+  }
+};
+
+// Its speed tells nothing, its bends do; and what was found, taken off, makes the map right.
+TEST(FindSensorShifts, FindALateClockAtConstantSpeed) {
+  for (const double late_s : {0.3, -0.3, 0.4, -0.5, 0.0}) {
+    const EvenDrive drive(late_s);
+    const BlobPtr map = RunInProcess(LandmarkMap({}), {{"log", std::make_shared<const Blob>(drive.log)}});
+    ASSERT_EQ(map->Has("robot/0/observations_late_s"), late_s != 0.0) << late_s;
+    EXPECT_FALSE(map->Has("robot/0/sensor_x_m")) << late_s;
+    if (late_s == 0.0) continue;
+    const double found_s = map->Scalar<double>("robot/0/observations_late_s");
+    EXPECT_NEAR(found_s, late_s, 0.04);
+    const BlobPtr mended = RunInProcess(
+        LandmarkMap({}), {{"log", std::make_shared<const Blob>(EvenDrive(late_s - found_s).log)}});
+    EXPECT_FALSE(mended->Has("robot/0/observations_late_s")) << late_s;
+    EXPECT_LT(drive.FurthestOff_m(*mended), 0.13) << late_s;
+    EXPECT_GT(drive.FurthestOff_m(*map), 0.15) << late_s;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "pipelines/landmark_map/refinement/broken_motion.h"
 #include "pipelines/landmark_map/refinement/joint_equations.h"
 #include "schema/square.h"
 
@@ -58,17 +59,10 @@ double Rescale(const Redundancy& of, double nominal, double* width, double chang
   return std::max({change, factor, 1.0 / factor});
 }
 
-}  // namespace
-
-double ReestimateWidths(const ExpectedWidths& expected, const LeastSquaresPoint& point,
-                        LeastSquaresProblem* problem) {
-  problem->repeats = RepeatsIn(*problem, point);
-  problem->tail_sigmas = TailOf(*problem, point);
-  JointEquations equations(*problem, point);
-  const MeansUnderTail means = MeansUnder(problem->tail_sigmas);
-  equations.Evaluate(point, true, means.holding_share);
-  if (!equations.Factorise(0.0)) return 0.0;
-  const PathMatrix::Inverse inverse(equations.matrix());
+// Of odometry. `equations`: of the problem about the point.
+double RescaleMotions(const std::vector<EdgeWidths>& expected, const JointEquations& equations,
+                      const PathMatrix::Inverse& inverse, const LeastSquaresPoint& point,
+                      LeastSquaresProblem* problem) {
   double change = 1.0;
   for (std::size_t r = 0; r < problem->robots.size(); ++r) {
     EdgeWidths& widths = problem->widths[r];
@@ -89,11 +83,26 @@ double ReestimateWidths(const ExpectedWidths& expected, const LeastSquaresPoint&
       add(spread.turn, widths.turn_rad_per_sqrt_rad, &turn);
       add(spread.way, widths.way_m_per_sqrt_m, &way);
     }
-    const EdgeWidths& stated = expected.odometry[r];
+    const EdgeWidths& stated = expected[r];
     change = Rescale(walk, stated.walk_rad_per_sqrt_m, &widths.walk_rad_per_sqrt_m, change);
     change = Rescale(turn, stated.turn_rad_per_sqrt_rad, &widths.turn_rad_per_sqrt_rad, change);
     change = Rescale(way, stated.way_m_per_sqrt_m, &widths.way_m_per_sqrt_m, change);
   }
+  return change;
+}
+
+}  // namespace
+
+double ReestimateWidths(const ExpectedWidths& expected, const LeastSquaresPoint& point,
+                        LeastSquaresProblem* problem) {
+  problem->repeats = RepeatsIn(*problem, point);
+  problem->tail_sigmas = TailOf(*problem, point);
+  JointEquations equations(*problem, point);
+  const MeansUnderTail means = MeansUnder(problem->tail_sigmas);
+  equations.Evaluate(point, true, means.holding_share);
+  if (!equations.Factorise(0.0)) return 0.0;
+  const PathMatrix::Inverse inverse(equations.matrix());
+  double change = RescaleMotions(expected.odometry, equations, inverse, point, problem);
   Redundancy range, bearing, contact;
   for (const Sighting& seen : problem->sightings) {
     const auto term = equations.Seen(point, seen);
@@ -135,6 +144,41 @@ bool SettleWidths(const ExpectedWidths& expected, LeastSquaresProblem* problem, 
   }
   *end = Descend(*problem, end->point);
   return true;
+}
+
+bool SettleOdometryWidths(const std::vector<EdgeWidths>& expected, LeastSquaresProblem* problem,
+                          LeastSquaresEnd* end) {
+  constexpr int kStepsARound = 3, kRounds = 20;
+  constexpr double kSettled = 1.02;
+  for (int round = 0; round < kRounds; ++round) {
+    JointEquations equations(*problem, end->point);
+    equations.Evaluate(end->point, true, MeansUnder(problem->tail_sigmas).holding_share);
+    if (!equations.Factorise(0.0)) return false;
+    const double change =
+        RescaleMotions(expected, equations, PathMatrix::Inverse(equations.matrix()), end->point, problem);
+    if (change < kSettled) break;
+    *end = Descend(*problem, end->point, kStepsARound);
+  }
+  *end = Descend(*problem, end->point);
+  return true;
+}
+
+double NegativeLogEvidence(const std::vector<EdgeWidths>& expected, const LeastSquaresProblem& problem,
+                           const LeastSquaresPoint& point) {
+  JointEquations equations(problem, point);
+  equations.Evaluate(point, true);
+  if (!equations.Factorise(0.0)) return std::numeric_limits<double>::infinity();
+  double nats = NegativeLogDensity(problem, point) + 0.5 * equations.matrix().LogDeterminant();
+  const auto add = [&](double width, double of) {
+    if (width > 0.0 && of > 0.0) nats += 0.5 * Square(std::log(width / of) / kLogWidthSd);
+  };
+  for (std::size_t r = 0; r < expected.size(); ++r) {
+    const EdgeWidths &widths = problem.widths[r], &of = expected[r];
+    add(widths.walk_rad_per_sqrt_m, of.walk_rad_per_sqrt_m);
+    add(widths.turn_rad_per_sqrt_rad, of.turn_rad_per_sqrt_rad);
+    add(widths.way_m_per_sqrt_m, of.way_m_per_sqrt_m);
+  }
+  return nats;
 }
 
 // Their logarithm's sum over the sightings, for widths that are a common factor times the problem's, the

@@ -26,6 +26,17 @@ double TailOf(const LeastSquaresProblem& problem, const LeastSquaresPoint& point
 // The least with the widths, repeats and tails that it shows. False: there is no solution.
 bool SettleWidths(const ExpectedWidths& expected, LeastSquaresProblem* problem, LeastSquaresEnd* end);
 
+// The same with odometry's widths alone: what sightings err by stays, and how they repeat.
+bool SettleOdometryWidths(const std::vector<EdgeWidths>& expected, LeastSquaresProblem* problem,
+                          LeastSquaresEnd* end);
+
+// Minus the logarithm of how likely the measurements are under the problem's widths, whatever the unknowns
+// are (about their likeliest values, as Laplace has it), and of the widths' prior, up to a constant [nats]:
+// between problems of the same nodes and sightings it tells which model of their errors holds. Wide errors of
+// odometry explain what any other mistake leaves, and cost what they leave open.
+double NegativeLogEvidence(const std::vector<EdgeWidths>& expected, const LeastSquaresProblem& problem,
+                           const LeastSquaresPoint& point);
+
 // By the correlation of successive errors, (1 + r) / (1 - r) of a first-order process; 1 where that is not
 // significant.
 SightingRepeats RepeatsIn(const LeastSquaresProblem& problem, const LeastSquaresPoint& point);
