@@ -10,6 +10,7 @@
 #include <string>
 
 #include "schema/geometry.h"
+#include "schema/middle.h"
 #include "schema/text.h"
 
 namespace cairn::datasets {
@@ -84,6 +85,16 @@ Verdict::Doubt OfRangeOffsets(const kinds::LandmarkMap& map, Verdict* verdict) {
                       std::abs(furthest_m), furthest_m > 0 ? "long" : "short")};
 }
 
+// How exact the path says it is, the middle of its standard deviations along an axis; 0: it does not say.
+double PathSd_m(const kinds::LandmarkMap::RobotPoses& poses) {
+  const std::span<const double> covariance = poses.covariance.OrNone();
+  return MiddleOf([&](const auto& take) {
+           for (std::size_t i = 0; i + 9 <= covariance.size(); i += 9)
+             take(std::sqrt(std::max(0.0, 0.5 * (covariance[i] + covariance[i + 4]))));
+         })
+      .value_or(0);
+}
+
 // What takes it off, of one robot, which is named where there are several.
 std::string Option(const kinds::LandmarkMap& map, std::size_t robot, const char* option,
                    const std::string& value) {
@@ -103,12 +114,15 @@ Verdict::Doubt OfClocks(const kinds::LandmarkMap& map, Verdict* verdict) {
   }
   if (late_s == 0) return {Confidence::kHigh};
   verdict->numbers.emplace_back("observations_late_s", late_s);
-  constexpr double kFar_m = 0.1;
-  if (std::abs(late_s) * MeanSpeed_mps(map.robot[furthest].poses) <= kFar_m) return {Confidence::kHigh};
-  return {Confidence::kFair,
+  constexpr double kFar_m = 0.1, k95 = 2.448;  // of a Gaussian in the plane
+  const double off_m = std::abs(late_s) * MeanSpeed_mps(map.robot[furthest].poses);
+  if (off_m <= kFar_m) return {Confidence::kHigh};
+  const double sd_m = PathSd_m(map.robot[furthest].poses);
+  return {sd_m > 0 && off_m > k95 * sd_m ? Confidence::kLow : Confidence::kFair,
           fmt::format("the observations of {} fit better some {:.2g} s {}: are its sensor's clock and its "
-                      "odometry's the same? If the sensor's is off:{}",
-                      map.robots[furthest], std::abs(late_s), late_s > 0 ? "earlier" : "later",
+                      "odometry's the same? Else its path is {:.2g} m off along its way. If the sensor's is "
+                      "off:{}",
+                      map.robots[furthest], std::abs(late_s), late_s > 0 ? "earlier" : "later", off_m,
                       Option(map, furthest, "--sensor-late-s", fmt::format("{:.2g}", late_s)))};
 }
 
@@ -144,9 +158,13 @@ Verdict::Doubt OfMounts(const kinds::LandmarkMap& map, Verdict* verdict) {
                 "of where the robot turns about, turned by {:.1f} degrees: does it?",
                 map.robots[furthest], std::abs(mount.x_m), mount.x_m < 0 ? "behind" : "ahead",
                 std::abs(mount.y_m), mount.y_m < 0 ? "right" : "left", degrees);
-  return {Confidence::kFair,
-          what + Option(map, furthest, "--sensor-mount",
-                        fmt::format("{:.2f},{:.2f},{:.2g}", mount.x_m, mount.y_m, degrees))};
+  const char* or_else =
+      map.robot[furthest].observations_late_s.Or(0) != 0
+          ? "; that explains as much as its clock does, take off the one that you know to be off:"
+          : "";
+  return {Confidence::kFair, what + or_else +
+                                 Option(map, furthest, "--sensor-mount",
+                                        fmt::format("{:.2f},{:.2f},{:.2g}", mount.x_m, mount.y_m, degrees))};
 }
 
 // Turns the observations tell well, whatever odometry says: MRCLAM's robots turn three quarters as far as

@@ -40,6 +40,19 @@ TEST(CalibrationDoubts, TwoClocksThatDifferAreSaid) {
     EXPECT_NE(verdict.why.find(late_s > 0 ? "s earlier: are" : "s later: are"), std::string::npos);
     EXPECT_NE(verdict.why.find("--sensor-late-s=" + fmt::format("{:.2g}`", late_s)), std::string::npos);
   }
+  // 0.8 m along the way: by more than the path says of itself, or by less.
+  for (const double sd_m : {0.05, 0.5}) {
+    std::vector<double> covariance(27, 0.0);
+    for (std::size_t i = 0; i < 27; i += 9) covariance[i] = covariance[i + 4] = sd_m * sd_m;
+    map.PutVector("robot/0/poses/covariance", covariance);
+    EXPECT_EQ(LandmarkMapVerdict(map).trust, sd_m < 0.3 ? Confidence::kLow : Confidence::kFair) << sd_m;
+  }
+  map.PutScalar<std::int64_t>("fit/odometry_misfits", 1);
+  const std::string why = LandmarkMapVerdict(map).why;
+  EXPECT_EQ(why.find("did the robot slip"), std::string::npos) << why;
+  EXPECT_NE(why.find("odometry does not fit once, worst at 0.0 s: as where clocks differ"), std::string::npos)
+      << why;
+  map.PutScalar<std::int64_t>("fit/odometry_misfits", 0);
   map.PutScalar("robot/0/observations_late_s", 0.05);
   const Verdict little = LandmarkMapVerdict(map);
   EXPECT_EQ(little.trust, Confidence::kHigh);

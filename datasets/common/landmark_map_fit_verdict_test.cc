@@ -263,6 +263,29 @@ TEST(LandmarkMapVerdict, ARobotWhosePlaceIsUncertainIsNamed) {
   }
 }
 
+// By how many nats they are where they are sooner than chance puts them there.
+TEST(LandmarkMapVerdict, ARobotThatChanceMayHavePutThereIsNamed) {
+  const auto with_odds = [](double odds_nats) {
+    Blob map = FittedMap(200, 0, 0, 0);
+    map.Put("robots", Array::Texts({"rob0", "rob1"}));
+    for (const char* prefix : {"robot/0/", "robot/1/"}) {
+      map.PutVector<std::int32_t>(std::string(prefix) + "observations/map_landmark", {0, 0});
+      map.PutScalar<std::int64_t>(std::string(prefix) + "shared_landmarks", 4);
+      map.PutScalar<std::int64_t>(std::string(prefix) + "one_sided_landmarks", 2);
+      map.PutScalar<double>(std::string(prefix) + "place_lead_nats", 12);
+      map.PutScalar<double>(std::string(prefix) + "place_odds_nats", odds_nats);
+    }
+    return LandmarkMapVerdict(map);
+  };
+  const Verdict chance = with_odds(-0.7);
+  EXPECT_EQ(chance.trust, Confidence::kLow);
+  EXPECT_NE(chance.why.find("where rob1 is in the map of the others may well be chance"), std::string::npos)
+      << chance.why;
+  EXPECT_EQ(with_odds(3).trust, Confidence::kFair);
+  EXPECT_NE(with_odds(3).why.find("may be chance"), std::string::npos) << with_odds(3).why;
+  EXPECT_EQ(with_odds(7).why.find("chance"), std::string::npos) << with_odds(7).why;
+}
+
 // The figures of two robots one of which saw all bearings a fifth too small, and of healthy ones.
 TEST(LandmarkMapVerdict, LandmarksThatOneRobotAloneSawThoughTheOtherLookedThereAreADoubt) {
   const Verdict wrong = WithLeads({43.1, 43.1}, 13, 5);

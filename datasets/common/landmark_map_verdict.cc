@@ -145,6 +145,11 @@ Verdict::Doubt OfRun(const kinds::LandmarkMap::Fit& fit) {
                       fit.longest_run.Scalar(), fit.longest_run_from_s.Scalar())};
 }
 
+bool ClocksDiffer(const kinds::LandmarkMap& map) {
+  Verdict aside;
+  return !OfClocks(map, &aside).text.empty();
+}
+
 // Names hold a map together where its odometry broke. Without any, what is seen after a slip becomes
 // landmarks of its own beside those seen before, which fit as well as right ones do.
 Verdict::Doubt OfJumps(const kinds::LandmarkMap& map) {
@@ -157,8 +162,9 @@ Verdict::Doubt OfJumps(const kinds::LandmarkMap& map) {
   return {
       nameless || lead_nats < kTied_nats ? Confidence::kLow : Confidence::kFair,
       fmt::format(
-          "odometry does not fit {}, worst at {:.1f} s: did the robot slip, was it carried?{}{}",
+          "odometry does not fit {}, worst at {:.1f} s: {}{}{}",
           jumps == 1 ? std::string("once") : fmt::format("{} times", jumps), map.fit.worst_odometry_s.Or(0),
+          ClocksDiffer(map) ? "as where clocks differ, see below" : "did the robot slip, was it carried?",
           lead_nats < kTied_nats
               ? fmt::format(" It may have been another time, which makes another map, {:.1f} nats behind",
                             lead_nats)
@@ -236,6 +242,35 @@ Verdict::Doubt OfPlaces(const kinds::LandmarkMap& map, Verdict* verdict) {
                   "side alone has seen though the other looked there, {:.1f} nats {} the next place or none; "
                   "two landmarks that both name would tell; the path of each robot alone may be right",
                   loose, shared, one_sided, std::abs(least_nats), least_nats < 0 ? "behind" : "ahead of")};
+}
+
+// A few landmarks in common may lie upon one another by chance. The ratio of right to chance is that of the
+// word: of ten maps of 1 to 9, of a hundred of 1 to 99.
+Verdict::Doubt OfChance(const kinds::LandmarkMap& map, Verdict* verdict) {
+  constexpr double kTied_nats = 10;  // below that OfPlaces says it
+  const double fair_nats = std::log(9.0), high_nats = std::log(99.0);
+  std::optional<std::size_t> least;
+  for (std::size_t r = FirstToPlace(map); r < map.robot.size(); ++r) {
+    if (!map.robot[r].place_odds_nats || map.robot[r].place_lead_nats.Or(0) < kTied_nats) continue;
+    if (!least || map.robot[r].place_odds_nats.Scalar() < map.robot[*least].place_odds_nats.Scalar())
+      least = r;
+  }
+  if (!least || map.fit.observations.Or(0) == 0) return {Confidence::kHigh};  // of contacts their order tells
+  const kinds::LandmarkMap::Robot& robot = map.robot[*least];
+  const double nats = robot.place_odds_nats.Scalar();
+  verdict->numbers.emplace_back("place_odds_nats", nats);
+  if (nats >= high_nats) return {Confidence::kHigh};
+  const bool fair = nats >= fair_nats;
+  const std::string often =
+      nats <= 0 ? "in any such map" : fmt::format("in one of {:.0f} such maps", std::exp(nats));
+  return {
+      fair ? Confidence::kFair : Confidence::kLow,
+      fmt::format(
+          "where {} is in the map of the others {} be chance: {} landmarks in common, and {} that one side "
+          "alone has seen though the other looked there, chance alone gives {}. Two landmarks that both "
+          "name would tell",
+          map.robots[*least], fair ? "may" : "may well", robot.shared_landmarks.Or(0),
+          robot.one_sided_landmarks.Or(0), often)};
 }
 
 // Landmarks in a regular pattern: what was seen before a long way without any fits as well among their
@@ -364,13 +399,25 @@ void JudgeFit(const kinds::LandmarkMap& map, double explained_share, const SeenO
   verdict->why = named ? fitted : verdict->why + "; " + fitted;
   verdict->Add(OfSeenOnce(seen, true));
   for (const Verdict::Doubt& doubt :
-       {OfMisfits(map), OfFalse(all_named, explained_share),
-        WhereStartsDisagree(map, OfWidths(fit, !LandmarkThatMoves(map).empty())),
-        OfMuchLeftOut(fit, all_named, explained_share), WhereStartsDisagree(map, OfRun(fit)),
-        WhereStartsDisagree(map, OfJumps(map)), OfHalves(fit), OfLandmarksOnOneSide(map, verdict),
-        OfFewInCommon(map, verdict), OfHoles(map, verdict), OfPlaces(map, verdict), OfPattern(map, verdict),
-        OfOneSided(map, verdict), OfUncertainty(map, verdict), OfDistances(map, verdict),
-        OfTurns(map, verdict), OfClocks(map, verdict), OfMounts(map, verdict),
+       {OfMisfits(map),
+        OfFalse(all_named, explained_share),
+        WhereStartsDisagree(map, OfWidths(fit, all_named, !LandmarkThatMoves(map).empty())),
+        OfMuchLeftOut(fit, all_named, explained_share),
+        WhereStartsDisagree(map, OfRun(fit)),
+        WhereStartsDisagree(map, OfJumps(map)),
+        OfHalves(fit),
+        OfLandmarksOnOneSide(map, verdict),
+        OfFewInCommon(map, verdict),
+        OfHoles(map, verdict),
+        OfPlaces(map, verdict),
+        OfChance(map, verdict),
+        OfPattern(map, verdict),
+        OfOneSided(map, verdict),
+        OfUncertainty(map, verdict),
+        OfDistances(map, verdict),
+        OfTurns(map, verdict),
+        OfClocks(map, verdict),
+        OfMounts(map, verdict),
         OfRangeOffsets(map, verdict)}) {
     verdict->Add(doubt);
   }

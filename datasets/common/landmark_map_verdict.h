@@ -26,17 +26,19 @@ Confidence ReadConfidence(const Blob& result);
 // times and less than half of the starts found the map, or where none has a name and odometry does not fit,
 // or most are seen on one side of a moment alone (landmarks_on_one_side.h). Low, too, where the place of a
 // robot among the others rests on landmarks without names and is not ten nats ahead of the next one, or of
-// none (place_lead_nats); where less than half of the observations are of a landmark; where three landmarks
-// or more, and a fifth of what either side saw and both looked at, are seen by one robot alone or by all but
-// it (a tenth: fair at most); where odometry and observations contradict each other; where a map is not ten
-// nats behind in which what one robot saw before, or between, long ways without landmarks is shifted along
-// their pattern (fit/shift_lead_nats). At most fair where such a map was taken instead of EM's, and where
-// odometry lacks some way (`holes/`), low where what was seen before and after does not hold together as
-// robots must. Of any other: what its search says, how many observations its landmarks explain, whether its
-// refinement was refused. Of a map of a log, and with options, like those on which the rates were measured
-// (search/unlike is there and empty): "high: right in 99 of 100 such simulations, which have no false
-// observations; found from 6 of 12 starts, 57.2 nats ahead of the next different map". Of another it is not
-// known, and says in what it differs. No lead says that a better map, which was not tried, does not exist.
+// none (place_lead_nats), or by less than nine to one is not chance (place_odds_nats; 99 to one: fair); where
+// a sensor's clock takes the path further off than it says of itself; where less than half of the
+// observations are of a landmark; where three landmarks or more, and a fifth of what either side saw and both
+// looked at, are seen by one robot alone or by all but it (a tenth: fair at most); where odometry and
+// observations contradict each other; where a map is not ten nats behind in which what one robot saw before,
+// or between, long ways without landmarks is shifted along their pattern (fit/shift_lead_nats). At most fair
+// where such a map was taken instead of EM's, and where odometry lacks some way (`holes/`), low where what
+// was seen before and after does not hold together as robots must. Of any other: what its search says, how
+// many observations its landmarks explain, whether its refinement was refused. Of a map of a log, and with
+// options, like those on which the rates were measured (search/unlike is there and empty): "high: right in 99
+// of 100 such simulations, which have no false observations; found from 6 of 12 starts, 57.2 nats ahead of
+// the next different map". Of another it is not known, and says in what it differs. No lead says that a
+// better map, which was not tried, does not exist.
 Verdict LandmarkMapVerdict(const Blob& result);
 
 // Why the landmarks of a map are not those of the least squares over its associations (refinement/reason):

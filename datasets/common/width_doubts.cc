@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <string>
 #include <utility>
 
 namespace cairn::datasets {
@@ -33,18 +34,38 @@ bool IsAsStated(const kinds::LandmarkMap::Fit& fit, double left_out) {
          left_out <= fit.false_ratio.Scalar() + kMore;
 }
 
+// What a mistake about the sensor leaves, one sighting of a landmark errs by as the next one does; a coarse
+// sensor errs anew.
+bool ErrAnew(const kinds::LandmarkMap::Fit& fit) {
+  return fit.repeats_along && fit.repeats_along.Scalar() <= 1 && fit.repeats_across.Or(1) <= 1;
+}
+
+// The options that state what was found.
+std::string OptionsOf(const kinds::LandmarkMap::Fit& fit) {
+  std::string options;
+  for (std::size_t k = 0; k < fit.kind.OrNone().size(); ++k) {
+    if (fit.kind[k] != "range" && fit.kind[k] != "bearing") continue;
+    options += fmt::format("{}--{}={:.2g}", options.empty() ? "" : " ",
+                           fit.kind[k] == "range" ? "range-m" : "bearing-rad", fit.found[k]);
+  }
+  return options;
+}
+
 }  // namespace
 
-Verdict::Doubt OfWidths(const kinds::LandmarkMap::Fit& fit, bool one_moves) {
+Verdict::Doubt OfWidths(const kinds::LandmarkMap::Fit& fit, bool all_named, bool one_moves) {
   constexpr double kWider = 2, kMuchWider = 3;
   const auto [wider, told] = WidestError(fit, kWider);
   if (wider == 0) return {Confidence::kHigh};
-  return {AtMost(wider, kWider, kMuchWider),
-          fmt::format("ranges or bearings err by {:.1f} times what {}{}", wider,
-                      told ? "is stated" : "was expected, as nothing is stated of them",
-                      one_moves            ? ""
-                      : wider > kMuchWider ? ": is the sensor's mount right?"
-                                           : ": is the sensor less exact?")};
+  const std::string text = fmt::format("ranges or bearings err by {:.1f} times what {}", wider,
+                                       told ? "is stated" : "was expected, as nothing is stated of them");
+  const Confidence at_most = AtMost(wider, kWider, kMuchWider);
+  if (one_moves) return {at_most, text};
+  if (!told && all_named && ErrAnew(fit))
+    return {std::max(at_most, Confidence::kFair),
+            text + ": is the sensor so coarse? Then `cairn import csv " + OptionsOf(fit) + "` states it"};
+  return {at_most, text + (wider > kMuchWider && !ErrAnew(fit) ? ": is the sensor's mount right?"
+                                                               : ": is the sensor less exact?")};
 }
 
 Verdict::Doubt OfMuchLeftOut(const kinds::LandmarkMap::Fit& fit, bool all_named, double explained_share) {

@@ -46,7 +46,7 @@ struct LandmarkMap {
     Column<double> probability, heading_drift_rad_per_m, heading_walk_rad_per_sqrt_m, turn_ratio,
         distance_scale, turn_scale, range_offset_m, observations_late_s, bearings_turned_rad, sensor_x_m,
         sensor_y_m, odometry_walk_rad_per_sqrt_m, odometry_turn_rad_per_sqrt_rad, odometry_way_m_per_sqrt_m,
-        place_lead_nats;
+        place_lead_nats, place_odds_nats;
     Column<std::int64_t> shared_landmarks, one_sided_landmarks;
     Beliefs beliefs;
     static void Fields(const auto& field) {
@@ -71,6 +71,7 @@ struct LandmarkMap {
       field({"shared_landmarks", "", From(0)}, &Robot::shared_landmarks);
       field({"one_sided_landmarks", "", From(0)}, &Robot::one_sided_landmarks);
       field({"place_lead_nats", "", Finite()}, &Robot::place_lead_nats);
+      field({"place_odds_nats", "", Finite()}, &Robot::place_odds_nats);
     }
   };
   struct Map {

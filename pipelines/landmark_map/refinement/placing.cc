@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <tuple>
+
+#include "schema/square.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -81,6 +84,18 @@ Extent ExtentOf(const Submap& one, const Submap& base) {
   return extent;
 }
 
+// The sides of the box in which a submap lies; no less than it sees far.
+Point SidesOf(const Submap& submap) {
+  Point low{1e300, 1e300}, high{-1e300, -1e300};
+  double reach_m = 0;
+  for (const Submap::View& view : submap.views) reach_m = std::max(reach_m, view.reach_m);
+  for (const Submap::Seen& seen : submap.landmarks) {
+    low = {std::min(low.x_m, seen.x_m), std::min(low.y_m, seen.y_m)};
+    high = {std::max(high.x_m, seen.x_m), std::max(high.y_m, seen.y_m)};
+  }
+  return {std::max(high.x_m - low.x_m, reach_m), std::max(high.y_m - low.y_m, reach_m)};
+}
+
 using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
 // Of `one` placed so, each landmark with one of `base` at most, the nearest first.
@@ -104,22 +119,47 @@ Pairs PairsAt(const Submap& one, const Submap& base, const Pose& at, double gate
   return pairs;
 }
 
+// The ratio's logarithm but for what speaks against it. Of a landmark in common: the Gaussian of where the
+// one sees it from the other over the density of landmarks, which lays another one there. Of the place: the
+// part that the Gaussian about it has of all places and headings.
+double OddsOf(const Submap& one, const Submap& base, const Pairs& pairs, double apart_m2, double sigma_m) {
+  const double variance = sigma_m * sigma_m, circle = 2 * std::numbers::pi;
+  const auto n = static_cast<double>(pairs.size());
+  const Point sides = SidesOf(one), of_base = SidesOf(base);
+  const double density = std::max(static_cast<double>(one.landmarks.size()) / (sides.x_m * sides.y_m),
+                                  static_cast<double>(base.landmarks.size()) / (of_base.x_m * of_base.y_m));
+  Point middle{0, 0};
+  for (const auto& [i, j] : pairs)
+    middle = {middle.x_m + one.landmarks[i].x_m / n, middle.y_m + one.landmarks[i].y_m / n};
+  double spread_m2 = 0;
+  for (const auto& [i, j] : pairs) spread_m2 += Square(DistanceM(PointOf(one.landmarks[i]), middle));
+  if (!(spread_m2 > 0)) return -std::numeric_limits<double>::infinity();  // any heading will do
+  const double all = (sides.x_m + of_base.x_m) * (sides.y_m + of_base.y_m) * circle;
+  const double part = circle * variance / n * std::sqrt(circle * variance / spread_m2);
+  return -n * std::log(circle * variance * density) - apart_m2 / (2 * variance) -
+         std::log(std::max(1.0, all / part));
+}
+
 Placing Weigh(const Submap& one, const Submap& base, const Pose& at, double sigma_m) {
   const Extent extent = ExtentOf(one, base);
   const double variance = sigma_m * sigma_m, circle = 2 * std::numbers::pi;
   const double by_chance = std::log(std::max(1.0, extent.area_m2 / (circle * variance)));
-  Placing placing{at, 0, 0, PairsAt(one, base, at, kGatePlacing * sigma_m)};
+  Placing placing{at, 0, 0, 0, PairsAt(one, base, at, kGatePlacing * sigma_m)};
   // Its place and its heading.
   placing.nats = -by_chance - std::log(std::max(1.0, circle * extent.radius_m / sigma_m));
   std::vector<bool> taken(one.landmarks.size(), false), given(base.landmarks.size(), false);
+  double apart_m2 = 0;
   for (const auto& [i, j] : placing.pairs) {
     taken[i] = given[j] = true;
     const double apart_m = DistanceM(Moved(at, PointOf(one.landmarks[i])), PointOf(base.landmarks[j]));
     placing.nats += by_chance - apart_m * apart_m / (2 * variance);
+    apart_m2 += apart_m * apart_m;
   }
+  placing.odds_nats = OddsOf(one, base, placing.pairs, apart_m2, sigma_m);
   const Pose back = Between(at, Pose{});
   const auto speaks = [&](double against) {
     placing.nats -= against;
+    placing.odds_nats -= against;
     placing.contradicted += against >= kSpeaksAgainst ? 1 : 0;
   };
   for (std::size_t i = 0; i < taken.size(); ++i)
@@ -256,7 +296,7 @@ Submap SubmapOf(const std::vector<std::span<const PlacedRow>>& rows) {
 }
 
 Placing PlacingHere(const Submap& one, const Submap& base, double sigma_m) {
-  if (one.landmarks.empty() || base.landmarks.empty()) return {{}, 0, 0, {}};
+  if (one.landmarks.empty() || base.landmarks.empty()) return {{}, 0, 0, 0, {}};
   return Weigh(one, base, Pose{}, sigma_m);
 }
 

@@ -57,6 +57,10 @@ struct Placing {
   // the other looked there, speaks against it, with three nats at most, for something may stand in between;
   // and the place and heading of one to the other must be told.
   double nats = -std::numeric_limits<double>::infinity();
+  // The logarithm of the ratio of being so to having nothing in common, where the one may lie anywhere that
+  // touches the other, and landmarks stand as densely as either sees them: by chance alone placings as likely
+  // as this one number exp(-odds_nats) on average, at most.
+  double odds_nats = -std::numeric_limits<double>::infinity();
   std::size_t contradicted = 0;                            // those that speak against it
   std::vector<std::pair<std::size_t, std::size_t>> pairs;  // landmarks in common: of the one, of the other
 };
@@ -67,6 +71,7 @@ struct Placings {
 
   // Over the best other one, to have nothing in common among them.
   double LeadNats() const { return here.nats - std::max(0.0, other ? other->nats : 0.0); }
+  double OddsNats() const { return here.odds_nats - std::max(0.0, other ? other->odds_nats : 0.0); }
 };
 
 // Of `one` among `base`; landmarks of both agree to `sigma_m` along either axis. Without `other`.

@@ -54,6 +54,47 @@ TEST(Placing, ASingleLandmarkInCommonSaysNothing) {
   EXPECT_EQ(FindPlacings(Submap{}, base, kSigma_m).LeadNats(), 0);
 }
 
+// Posts at random, of which the one sees those of the other's that `shared` says, and as many of its own. No
+// look speaks against anything: only how many lie on one another tells.
+TEST(Placing, FewLandmarksInCommonMayBeChance) {
+  const auto odds_nats = [](std::size_t shared, std::size_t each) {
+    Rng rng(shared);
+    Submap one, base;
+    for (Submap* submap : {&one, &base}) submap->views.push_back({3, 0, -1.5, 1.5});
+    for (std::size_t k = 0; k < 2 * each - shared; ++k) {
+      const Submap::Seen seen{rng.Uniform(0, 10), rng.Uniform(0, 10), static_cast<std::int32_t>(k), 3, true};
+      if (k < each) base.landmarks.push_back(seen);
+      if (k + shared >= each) one.landmarks.push_back(seen);
+    }
+    const Placing here = PlacingHere(one, base, 0.1);
+    EXPECT_GE(here.pairs.size(), shared);
+    return here.odds_nats;
+  };
+  EXPECT_LT(odds_nats(3, 15), 0);
+  EXPECT_LT(odds_nats(4, 25), std::log(99.0)) << "where many stand";
+  EXPECT_GT(odds_nats(6, 15), 5);
+  EXPECT_GT(odds_nats(10, 15), 20);
+}
+
+// The words of the verdict count on it: of submaps that have nothing in common no more than one of ten finds
+// a place whose odds are ten to one.
+TEST(Placing, ByChanceNoMorePlacesAreAsLikelyAsTheOddsSay) {
+  constexpr int kPairs = 60;
+  int likely = 0;
+  Rng rng(5);
+  for (int pair = 0; pair < kPairs; ++pair) {
+    Submap one, base;
+    for (Submap* submap : {&one, &base}) {
+      submap->views.push_back({3, 0, -1.5, 1.5});
+      for (std::int32_t k = 0; k < 12; ++k)
+        submap->landmarks.push_back({rng.Uniform(0, 9), rng.Uniform(0, 9), k, 3, true});
+    }
+    const Placings placings = FindPlacings(one, base, 0.1);
+    likely += placings.other && placings.other->odds_nats > std::log(10.0);
+  }
+  EXPECT_LE(likely, kPairs / 10);
+}
+
 TEST(SubmapOf, HasWhatItSawTwiceAndHowFarItSees) {
   const std::vector<PlacedRow> rows = {{0, {0, 0, 0}, 2, 0.1, 0},
                                        {0, {0, 0, 0}, 1, 3.1, 1},

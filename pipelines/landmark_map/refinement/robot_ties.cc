@@ -45,6 +45,7 @@ Tie TieOf(const Submap& one, const Submap& base, const std::vector<bool>& named,
   if (by_names && placings.LeadNats() > -kTiedNats) return tie;
   tie.one_sided = static_cast<std::int64_t>(placings.here.contradicted);
   tie.lead_nats = placings.LeadNats();
+  tie.odds_nats = placings.OddsNats();
   return tie;
 }
 
@@ -150,6 +151,8 @@ void PutTiesOfRobots(const std::vector<Tie>& ties, Blob* result) {
     if (ties[r].one_sided)
       result->PutScalar<std::int64_t>(prefix + "one_sided_landmarks", *ties[r].one_sided);
     if (ties[r].lead_nats) result->PutScalar<double>(prefix + "place_lead_nats", *ties[r].lead_nats);
+    if (ties[r].odds_nats && std::isfinite(*ties[r].odds_nats))
+      result->PutScalar<double>(prefix + "place_odds_nats", *ties[r].odds_nats);
   }
 }
 

@@ -23,6 +23,7 @@ struct Tie {
   // do not say by kTiedNats that it is elsewhere.
   std::optional<std::int64_t> one_sided = {};
   std::optional<double> lead_nats = {};
+  std::optional<double> odds_nats = {};  // Placings::OddsNats
 };
 
 // From so many nats on a place is held for sure enough.
