@@ -26,9 +26,10 @@ struct Part {
   }
 };
 
+inline constexpr double kMostWork = 1e15;  // cells that a part is told of at most
+
 // What the first round finds out of a part: what beams met, nothing where x1_m < x0_m; about how many cells
 // its readings tell of; and how many of them the map could be checked with.
-inline constexpr double kMostWork = 1e15;  // of more cells a part is not told
 struct PartFacts {
   double x0_m = 1, y0_m = 1, x1_m = -1, y1_m = -1, work = 0;
   std::int64_t readings = 0;
