@@ -55,10 +55,8 @@ class ErrorsInSigmas {
     const std::optional<double> squares = SquaredInSigmas(error, covariance);
     ++score_.count;
     if (!squares) {
-      const bool is_right = std::ranges::all_of(error, [](double e) { return std::abs(e) < kRight; });
       ++score_.certain;
-      score_.within_50 += is_right;
-      score_.within_95 += is_right;
+      certain_and_right_ += std::ranges::all_of(error, [](double e) { return std::abs(e) < kRight; });
       return;
     }
     score_.within_50 += *squares < bound_50_;
@@ -74,6 +72,10 @@ class ErrorsInSigmas {
     CalibrationScore score = score_;
     score.frame = frame;
     score.interval_takes = std::move(interval_takes);
+    if (frame.is_own) {
+      score.within_50 += certain_and_right_;
+      score.within_95 += certain_and_right_;
+    }
     if (score.count == score.certain) return score;
     score.nees_per_dof = sum_ / static_cast<double>(kSize) / static_cast<double>(score.count - score.certain);
     if (draws < 1) return score;
@@ -87,6 +89,7 @@ class ErrorsInSigmas {
  private:
   double bound_50_ = ChiSquareQuantile(0.5, kSize), bound_95_ = ChiSquareQuantile(0.95, kSize);
   CalibrationScore score_;
+  std::int64_t certain_and_right_ = 0;
   double sum_ = 0;
 };
 
@@ -313,8 +316,9 @@ void AddErrorsInSigmas(const std::string& name, const std::optional<CalibrationS
   group.Add("count", score->count,
             score->certain > 0 ? fmt::format(", {} of them with a singular covariance", score->certain) : "");
   group.AddForPrograms("certain", score->certain);
-  group.Add("within_50", ShareOf(score->within_50, score->count), ", where 50% are expected");
-  group.Add("within_95", ShareOf(score->within_95, score->count), ", where 95% are expected");
+  const std::int64_t judged = score->frame.is_own ? score->count : score->count - score->certain;
+  group.Add("within_50", ShareOf(score->within_50, judged), ", where 50% are expected");
+  group.Add("within_95", ShareOf(score->within_95, judged), ", where 95% are expected");
   std::string words = score->nees_per_dof ? " per degree of freedom" : "";
   if (score->nees_99 && score->nees_per_dof) {
     if (*score->nees_per_dof > score->nees_99->high) words += ": the covariances are too small";

@@ -33,7 +33,7 @@ struct CalibrationScore {
   std::int64_t count = 0;
   std::int64_t within_50 = 0, within_95 = 0;  // in those regions of the normal distributions that were stated
   // Those whose covariance is singular: they claim to be certain, count as within where they are right to a
-  // micrometre (microradian), and are not in the NEES.
+  // micrometre (microradian), and are not in the NEES. In a frame that is not theirs they claim nothing.
   std::int64_t certain = 0;
   // The mean squared error in units of the covariances, by degree of freedom: 1 where they are right. (NEES:
   // Y. Bar-Shalom, X. R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001,

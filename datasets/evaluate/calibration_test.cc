@@ -334,6 +334,31 @@ TEST(Calibration, LandmarksThatCountFromTheFirstPose) {
   EXPECT_NEAR(doubled.within_95 / doubled.count, 0.53, 0.03);
 }
 
+// Two landmarks err along the line between them alone, in the frame in which they neither shift nor turn. In
+// that of poses, which truth tells, this says nothing of where they are.
+TEST(Calibration, ASingularCovarianceOfAnotherFrameIsUnknown) {
+  Rng rng(17);
+  MadeUp made = MadeUpPaths(1, 40, 1, rng);
+  made.landmarks.clear();
+  made.matched.clear();
+  for (const Point at : {Point{0, 0}, Point{4, 0}}) {
+    made.matched.emplace_back(made.landmarks.size(), Point{at.x_m + 0.01, at.y_m});
+    made.landmarks.push_back(at);
+    for (const double value : {0.0025, 0.0, 0.0, 0.0}) made.landmark_covariance_m2.push_back(value);
+  }
+  made.truth[0].time_s[0] = 0.25;   // the first pose is not known,
+  made.paths[0].covariance[0] = 1;  // and nothing counts from it
+  const Calibration calibration = made.Calibrated();
+  ASSERT_FALSE(calibration.landmarks->frame.is_own);
+  EXPECT_EQ(calibration.landmarks->certain, 2);
+  Scores scores;
+  AddCalibration(calibration, &scores);
+  const std::string json = scores.ToJson(-1);
+  EXPECT_NE(json.find(R"("landmarks":{"count":2,"certain":2,"within_50":null,"within_95":null,"nees":null)"),
+            std::string::npos)
+      << json;
+}
+
 TEST(Calibration, SaysInWhichFrameItMeasures) {
   Rng rng(14);
   MadeUp made = MadeUpPaths(1, 40, 1, rng);
