@@ -51,7 +51,8 @@ std::string WriteImport(const ImportOutput& output, Blob blob, const datasets::I
   if (const Status texts = CheckTexts(blob); !texts.ok()) throw InputError(texts.message());
   if (!report.unit_doubts.empty() && !output.units_are_right) CheckUnits("", report.unit_doubts);
   CheckKind(blob, kind);
-  if (!report.unit_doubts.empty()) datasets::NoteUnitsAreRight(&blob);
+  // The mapping asks more than an import does: insisting counts there, too.
+  if (output.units_are_right) datasets::NoteUnitsAreRight(&blob);
   WriteOutput(output.out, kind, blob, output.force);
   return ContentText(blob);
 }
