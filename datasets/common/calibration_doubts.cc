@@ -126,18 +126,45 @@ Verdict::Doubt OfClocks(const kinds::LandmarkMap& map, Verdict* verdict) {
                       Option(map, furthest, "--sensor-late-s", fmt::format("{:.2g}", late_s)))};
 }
 
+constexpr double kFarMount_m = 0.1, kFarMount_rad = 2 * std::numbers::pi / 180;
+
+// 1: so far that it is said.
+double Far(const Pose& mount) {
+  return std::max(std::hypot(mount.x_m, mount.y_m) / kFarMount_m,
+                  std::abs(mount.heading_rad) / kFarMount_rad);
+}
+
+// Of a robot that turns while it goes, whose odometry is read as first the turn, then the way, the sensor
+// seems to sit half a step behind where it is.
+struct StepsInstead {
+  std::string text;  // empty: steps are too short
+  bool explain_all = false;
+};
+
+StepsInstead LookAtSteps(const kinds::LandmarkMap::Robot& robot, const Pose& mount) {
+  constexpr double kLeast_m = 0.03;
+  const double half_m = robot.half_step_m.Or(0);
+  if (std::abs(half_m) < kLeast_m || (mount.x_m == 0 && mount.y_m == 0)) return {};
+  const bool explain_all = Far({mount.x_m + half_m, mount.y_m, mount.heading_rad}) <= 1;
+  return {fmt::format(
+              " Its odometry turns and goes in one row, and half of such a step is {:.2f} m: if the "
+              "robot turned along the way, and not before it, `cairn import csv --steps-are-arcs` {}",
+              std::abs(half_m),
+              explain_all ? "takes that off" : "comes first, and what is then left is the sensor's. If not:"),
+          explain_all};
+}
+
 // A sensor that sits elsewhere than it is taken to, or is turned, bends the map.
 Verdict::Doubt OfMounts(const kinds::LandmarkMap& map, Verdict* verdict) {
-  constexpr double kDegree_rad = std::numbers::pi / 180, kFar_rad = 2 * kDegree_rad, kFar_m = 0.1;
+  constexpr double kDegree_rad = std::numbers::pi / 180;
   std::size_t furthest = 0;
   Pose mount;
   double most = 0;
   for (std::size_t r = 0; r < map.robot.size(); ++r) {
     const kinds::LandmarkMap::Robot& of = map.robot[r];
     const Pose at{of.sensor_x_m.Or(0), of.sensor_y_m.Or(0), -of.bearings_turned_rad.Or(0)};
-    const double far = std::max(std::hypot(at.x_m, at.y_m) / kFar_m, std::abs(at.heading_rad) / kFar_rad);
-    if (far <= most) continue;
-    most = far;
+    if (Far(at) <= most) continue;
+    most = Far(at);
     mount = at;
     furthest = r;
   }
@@ -162,9 +189,11 @@ Verdict::Doubt OfMounts(const kinds::LandmarkMap& map, Verdict* verdict) {
       map.robot[furthest].observations_late_s.Or(0) != 0
           ? "; that explains as much as its clock does, take off the one that you know to be off:"
           : "";
-  return {Confidence::kFair, what + or_else +
-                                 Option(map, furthest, "--sensor-mount",
-                                        fmt::format("{:.2f},{:.2f},{:.2g}", mount.x_m, mount.y_m, degrees))};
+  const StepsInstead steps = LookAtSteps(map.robot[furthest], mount);
+  const std::string option =
+      or_else + Option(map, furthest, "--sensor-mount",
+                       fmt::format("{:.2f},{:.2f},{:.2g}", mount.x_m, mount.y_m, degrees));
+  return {Confidence::kFair, what + steps.text + (steps.explain_all ? "" : option)};
 }
 
 // Turns the observations tell well, whatever odometry says: MRCLAM's robots turn three quarters as far as

@@ -59,6 +59,25 @@ TEST(CalibrationDoubts, TwoClocksThatDifferAreSaid) {
   EXPECT_EQ(little.why.find("earlier"), std::string::npos) << "what is left when it was taken off";
 }
 
+// Dead reckoning that turns first, of a robot that turns while it goes, is that of a sensor half a step
+// behind.
+TEST(CalibrationDoubts, HalfAStepIsNotTakenForASensorThatSitsBehind) {
+  Blob map = WellFitted();
+  map.PutScalar("robot/0/sensor_x_m", -0.2);
+  map.PutScalar("robot/0/sensor_y_m", 0.03);
+  map.PutScalar("robot/0/half_step_m", 0.2);
+  const std::string steps = LandmarkMapVerdict(map).why;
+  EXPECT_NE(steps.find("`cairn import csv --steps-are-arcs` takes that off"), std::string::npos) << steps;
+  EXPECT_EQ(steps.find("--sensor-mount"), std::string::npos) << steps;
+  map.PutScalar("robot/0/sensor_x_m", -0.6);
+  const std::string both = LandmarkMapVerdict(map).why;
+  EXPECT_LT(both.find("--steps-are-arcs` comes first"), both.find("--sensor-mount=-0.60,0.03,0`")) << both;
+  map.PutScalar("robot/0/half_step_m", 0.01);
+  const std::string mount = LandmarkMapVerdict(map).why;
+  EXPECT_EQ(mount.find("--steps-are-arcs"), std::string::npos) << mount;
+  EXPECT_NE(mount.find("--sensor-mount="), std::string::npos) << mount;
+}
+
 // (x, y, bearings too large by, option; empty: nothing to say)
 TEST(CalibrationDoubts, ASensorThatIsTurnedOrSitsElsewhereIsSaid) {
   struct Case {

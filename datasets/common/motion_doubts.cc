@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 
+#include "datasets/common/arc_doubts.h"
 #include "datasets/common/reckoning.h"
 #include "schema/geometry.h"
 #include "schema/middle.h"
@@ -471,7 +472,8 @@ std::vector<std::string> FindMotionDoubts(const kinds::Log& log) {
     const kinds::Log::Robot& robot = log.robot[n];
     if (!IsWhole(robot.odometry)) continue;
     if (IsWhole(robot.observations))
-      for (const auto& doubt : {DoubtSeenAgain(robot.observations, robot.odometry),
+      for (const auto& doubt : {DoubtSteps(robot.observations, robot.odometry),
+                                DoubtSeenAgain(robot.observations, robot.odometry),
                                 DoubtMount(robot.observations, robot.odometry)})
         if (doubt) doubts.push_back(fmt::format("robot '{}', its observations: {}", log.robots[n], *doubt));
     for (const kinds::Log::RangeSensor& sensor : robot.sensors) {

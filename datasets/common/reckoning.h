@@ -10,12 +10,14 @@
 
 #include "schema/geometry.h"
 #include "schema/kinds/log.h"
+#include "schema/kinds/odometry_steps.h"
 
 namespace cairn::datasets {
 
 // Dead reckoning by odometry that means something else than it says; and what a sensor sees that is turned.
 struct Reading {
   double forward = 1, turn = 1, delay_s = 0, sensor_rad = 0;
+  bool steps_are_arcs = false;
 };
 
 class Reckoning {
@@ -24,9 +26,13 @@ class Reckoning {
       : time_s_(odometry.time_s), delay_s_(reading.delay_s) {
     Pose pose;
     double driven = 0, turned = 0;
+    const Walked<double> turns = odometry.turn_rad.values(), ways = odometry.forward_m.values(),
+                         times = time_s_;
     for (std::size_t i = 0; i < time_s_.size(); ++i) {
-      pose = Compose(pose, {0, 0, reading.turn * odometry.turn_rad[i]});
-      pose = Compose(pose, {reading.forward * odometry.forward_m[i], 0, 0});
+      const double turn = reading.turn * odometry.turn_rad[i], way = reading.forward * odometry.forward_m[i];
+      const bool is_arc = reading.steps_are_arcs && IsStep(times, turns, ways, i);
+      pose = Compose(pose, {0, 0, is_arc ? turn / 2 : turn});
+      pose = Compose(pose, {is_arc ? ChordOfArc(way, turn) : way, 0, is_arc ? turn / 2 : 0});
       poses_.push_back(pose);
       driven_m_.push_back(driven += std::abs(odometry.forward_m[i]));
       turned_rad_.push_back(turned += std::abs(odometry.turn_rad[i]));

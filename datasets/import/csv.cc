@@ -16,6 +16,7 @@
 #include "datasets/import/repeated_rows.h"
 #include "datasets/import/row_times.h"
 #include "datasets/import/skipped_rows.h"
+#include "datasets/import/step_arcs.h"
 #include "schema/error.h"
 #include "schema/text.h"
 
@@ -135,6 +136,11 @@ class CsvImport {
                                                 {"time_s", "robot?", "v_mps", "omega_radps"},
                                                 {"time_s", "robot?", "x_m", "y_m", "heading_rad"}});
     has_robots_ = reader.Has(kRobot);
+    if (options_.steps_are_arcs && reader.header() != 0)
+      throw InputError(
+          options_.odometry +
+          ": --steps-are-arcs is of rows turn_rad,forward_m; those of velocities and of poses are "
+          "arcs already");
     skipped.RequireHalf(options_.odometry,
                         reader.header() == 2 ? ReadOdometryPoses(&reader) : ReadOdometryControls(&reader));
     if (reader.header() == 0) {
@@ -144,6 +150,10 @@ class CsvImport {
                               &report_);
         if (options_.repeated_steps != RepeatedSteps::kMotion)
           WarnOf(options_.odometry, robot.name, DoubtNearRepeats(robot.odometry));
+        if (options_.steps_are_arcs)
+          TakeStepsAsArcs(&robot.odometry);
+        else
+          WarnOf(options_.odometry, robot.name, DoubtLongSteps(robot.odometry));
       }
     }
     for (const auto& [robot, digits] : digits_) {

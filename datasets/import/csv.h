@@ -4,7 +4,7 @@
 // Times are of any clock, in order for each robot.
 //
 //   odometry            time_s,robot,turn_rad,forward_m    at the end of each control; first the turn, then
-//   the way
+//   the way; or, where that is said, an arc
 //                    or time_s,robot,v_mps,omega_radps     holds until the robot's next row
 //                    or time_s,robot,x_m,y_m,heading_rad   dead reckoning: where the wheels say that it is
 //   observations        time_s,robot,landmark,range_m,bearing_rad
@@ -39,6 +39,7 @@ struct CsvImportOptions {
   std::map<std::string, Pose> mounts;
   std::map<std::string, double> late_s;
   RepeatedSteps repeated_steps = RepeatedSteps::kDetect;
+  bool steps_are_arcs = false;  // rows turn_rad,forward_m are of a robot that turns while it goes
 };
 
 // Writes a `log` (schema/FORMAT.md). Robots are in the order in which odometry names them, landmarks by name

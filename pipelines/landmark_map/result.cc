@@ -16,6 +16,7 @@
 #include "schema/geometry.h"
 #include "schema/kinds/constant_observations.h"
 #include "schema/kinds/landmark_map.h"
+#include "schema/kinds/odometry_steps.h"
 
 namespace cairn::landmark_map {
 namespace {
@@ -380,6 +381,9 @@ Step MakeResult(const Blob& blob, const Settings& settings, const Inputs& inputs
       if (sensor.late_s != 0.0) result.PutScalar(prefix + "observations_late_s", sensor.late_s);
       if (sensor.x_m != 0.0) result.PutScalar(prefix + "sensor_x_m", sensor.x_m);
       if (sensor.y_m != 0.0) result.PutScalar(prefix + "sensor_y_m", sensor.y_m);
+      if (const double half_m = HalfStep_m(log.robot[r].odometry);
+          half_m != 0.0 && (sensor.x_m != 0.0 || sensor.y_m != 0.0))
+        result.PutScalar(prefix + "half_step_m", half_m);
       if (sensor.turned_rad != 0.0) result.PutScalar(prefix + "bearings_turned_rad", sensor.turned_rad);
       const EdgeWidths& widths = refined.paths[r].widths();
       result.PutScalar<double>(prefix + "odometry_walk_rad_per_sqrt_m", widths.walk_rad_per_sqrt_m);

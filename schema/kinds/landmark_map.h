@@ -47,6 +47,7 @@ struct LandmarkMap {
         distance_scale, turn_scale, range_offset_m, observations_late_s, bearings_turned_rad, sensor_x_m,
         sensor_y_m, odometry_walk_rad_per_sqrt_m, odometry_turn_rad_per_sqrt_rad, odometry_way_m_per_sqrt_m,
         place_lead_nats, place_odds_nats;
+    Column<double> half_step_m;
     Column<std::int64_t> shared_landmarks, one_sided_landmarks;
     Beliefs beliefs;
     static void Fields(const auto& field) {
@@ -65,6 +66,7 @@ struct LandmarkMap {
       field({"bearings_turned_rad", "", Finite()}, &Robot::bearings_turned_rad);
       field({"sensor_x_m", "", Finite()}, &Robot::sensor_x_m);
       field({"sensor_y_m", "", Finite()}, &Robot::sensor_y_m);
+      field({"half_step_m", "", Finite()}, &Robot::half_step_m);
       field({"odometry_walk_rad_per_sqrt_m", "", NotNegative()}, &Robot::odometry_walk_rad_per_sqrt_m);
       field({"odometry_turn_rad_per_sqrt_rad", "", NotNegative()}, &Robot::odometry_turn_rad_per_sqrt_rad);
       field({"odometry_way_m_per_sqrt_m", "", NotNegative()}, &Robot::odometry_way_m_per_sqrt_m);

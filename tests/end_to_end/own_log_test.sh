@@ -40,3 +40,35 @@ exits 0 cairn import csv --odometry hole.csv --observations observations.csv hol
 says "^cairn: warning: robot 'robot 0': its odometry lacks 40.* s from .* some [0-9]+ m are missing"
 exits 0 cairn run landmark_map hole.h5 --dry-run
 says "^cairn: warning: hole.h5: robot 'robot 0': its odometry lacks 40"
+
+# A robot that turns while it goes, and wheels that are read twice a second: the mapping asks, the import has an option, and
+# who insists at the import is not asked again.
+awk 'BEGIN {
+  OFS = ","; h = 0.01
+  for (k = 0; k < 12; k++) {x[k] = 7 * cos(k * 2.4); y[k] = 7 * sin(k * 2.4)}
+  print "time_s", "turn_rad", "forward_m" >"wheels.csv"
+  print "time_s", "landmark", "range_m", "bearing_rad" >"poles.csv"
+  for (i = 0; i <= 6000; i++) {
+    if (i > 0) {w = 0.35 + 0.3 * sin(i * h / 3); d += w * h; px += 0.8 * h * cos(d); py += 0.8 * h * sin(d)}
+    if (i % 50) continue
+    print i * h, d - before, i ? 0.4 : 0 >"wheels.csv"
+    before = d
+    for (k = 0; k < 12; k++) {
+      b = atan2(y[k] - py, x[k] - px) - d; b = atan2(sin(b), cos(b))
+      if (b < 1.5 && b > -1.5) print i * h, "pole" k, sqrt((x[k] - px) ^ 2 + (y[k] - py) ^ 2), b >"poles.csv"
+    }
+  }
+}'
+import_wheels() { exits 0 cairn import csv --odometry wheels.csv --observations poles.csv --force wheels.h5 "$@"; }
+import_wheels
+refuses 'turned along the way rather than before it.*--steps-are-arcs' cairn run landmark_map wheels.h5 --dry-run
+import_wheels --units-are-right
+exits 0 cairn run landmark_map wheels.h5 --dry-run
+exits 0 cairn map wheels.h5 --out insisted
+grep -q 'half of such a step is 0.20 m.*--steps-are-arcs. takes that off' stdout || die "the verdict says nothing of half a step"
+! grep -q 'sensor-mount' stdout || die "the verdict moves a sensor for half a step"
+import_wheels --steps-are-arcs
+exits 0 cairn map wheels.h5 --out arcs
+grep -q '^verdict *high' stdout || die "the map of arcs is not to be trusted"
+exits 0 cairn inspect wheels.h5
+! grep -q 'in doubt' stdout || die "arcs that were named are in doubt"

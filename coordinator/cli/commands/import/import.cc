@@ -166,6 +166,9 @@ void AddCsv(Command import, Invocation& call) {
       .AddFlag("--keep-repeats", options->keep_repeats,
                "Such rows are motion: the robot did so again within one time stamp")
       .Excludes(drop);
+  command.AddFlag("--steps-are-arcs", files.steps_are_arcs,
+                  "Rows turn_rad,forward_m are of a robot that turns while it goes (wheels that are read at "
+                  "intervals), instead of first the turn, then the way");
   AddNoiseOptions(command, files.noise);
   AddOutput(command, *options);
 }
