@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "schema/kinds/odometry_steps.h"
@@ -43,8 +44,9 @@ void TakeStepsAsArcs(Odometry* odometry) {
 
 std::string DoubtLongSteps(const Odometry& odometry) {
   constexpr double kLong_m = 0.25;
+  constexpr std::size_t kFewRows = 20;
   const double half_m = std::abs(HalfStep_m(odometry.time_s, odometry.turn_rad, odometry.forward_m));
-  if (half_m < kLong_m) return "";
+  if (half_m < kLong_m || odometry.time_s.size() < kFewRows) return "";
   return fmt::format(
       "its rows turn and go at once, some {:.1f} m where it turns, and are read as first the turn, then the "
       "way: of "

@@ -60,13 +60,16 @@ TEST_F(StepArcs, WithoutBeingToldRowsStayAsTheyAre) {
 }
 
 TEST_F(StepArcs, LongOnesAreAWarningUnlessTheyAreSaidToBeArcs) {
+  std::string rows = "time_s,turn_rad,forward_m\n";
+  for (int i = 0; i < 30; ++i) rows += std::to_string(i) + "," + (i % 2 == 0 ? "0.2" : "-0.2") + ",0.8\n";
+  options_.odometry = folder_.Put("odometry.csv", rows);
   for (const std::string& warning : Import().warnings)
     EXPECT_EQ(warning.find("--steps-are-arcs"), std::string::npos) << warning;
   options_.steps_are_arcs = false;
   const ImportReport report = Import();
   ASSERT_FALSE(report.warnings.empty());
   ExpectContains(report.warnings.front(),
-                 "odometry.csv: robot 'robot': its rows turn and go at once, some 1.1 m");
+                 "odometry.csv: robot 'robot': its rows turn and go at once, some 0.8 m");
   ExpectContains(report.warnings.front(), "say --steps-are-arcs");
 }
 
