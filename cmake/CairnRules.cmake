@@ -23,7 +23,7 @@ set(CAIRN_LINKS_pipelines_local_map_traces "pipelines|pipelines/local_map/grids"
 set(CAIRN_LINKS_pipelines_local_map_path "pipelines|pipelines/local_map/(grids|traces)")
 set(CAIRN_LINKS_pipelines_local_map_tasks "pipelines|pipelines/local_map/(grids|traces|path)")
 set(CAIRN_LINKS_pipelines_localization "pipelines|pipelines/landmark_learning(/networks)?")
-set(CAIRN_LINKS_datasets_common "schema(/store)?|ZLIB::.*")
+set(CAIRN_LINKS_datasets_common "schema(/store)?|Eigen3::.*|ZLIB::.*")
 set(CAIRN_LINKS_datasets_inspect "schema/store|datasets/common|nlohmann_json::.*")
 set(CAIRN_LINKS_datasets_import "datasets/common|ZLIB::.*")
 set(CAIRN_LINKS_datasets_import_recorded "datasets/(common|import)")

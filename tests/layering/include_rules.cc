@@ -212,7 +212,7 @@ const std::vector<Rule>& Rules() {
        true},
       {"datasets", {"schema/*", "schema/kinds/", "datasets/*"}, false},
       {"datasets/common",
-       {"schema/*", "schema/kinds/", "schema/store/", "datasets/common/", "zlib.h"},
+       {"schema/*", "schema/kinds/", "schema/store/", "datasets/common/", "Eigen/", "zlib.h"},
        false},
       {"datasets/inspect",
        {"schema/*", "schema/kinds/", "schema/store/", "datasets/common/", "datasets/inspect/", "nlohmann/"},
