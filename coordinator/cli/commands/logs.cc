@@ -4,9 +4,9 @@
 #include <thread>
 
 #include "coordinator/cli/commands/client_arguments.h"
-#include "coordinator/cli/commands/same_job.h"
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/invocation.h"
+#include "coordinator/cli/common/same_job.h"
 #include "coordinator/cli/common/stop_signal.h"
 #include "coordinator/cli/output/console.h"
 #include "coordinator/cli/output/job_text.h"

@@ -1,4 +1,4 @@
-#include "coordinator/cli/commands/same_job.h"
+#include "coordinator/cli/common/same_job.h"
 
 #include "schema/error.h"
 
