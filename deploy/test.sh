@@ -22,8 +22,9 @@ for argument in "$@"; do
   esac
 done
 
-# gtest's own skips are fine; a tree without a single test is not. More at a time than there are cores, for some wait.
-options=(--output-on-failure --no-tests=error --parallel $((($(cairn_jobs) * 3 + 1) / 2)))
+# gtest's own skips are fine; a tree without a single test is not. Twice as many at a time as there are cores, for
+# many wait.
+options=(--output-on-failure --no-tests=error --parallel $(($(cairn_jobs) * 2)))
 if ! $all; then
   deploy/install.sh
   say "building (release)"
