@@ -94,7 +94,8 @@ std::shared_ptr<const FetchedResults> ResultsCache::Fetched(const ResultsOf& wha
 
 std::shared_ptr<const FetchedResults> ResultsCache::SoFar(const wire::JobInfo& job) {
   const ResultsOf what = ResultsNow(job);
-  const std::string key = SoFarKey(what), version = job.so_far();
+  const std::string key = SoFarKey(what);
+  const std::string& version = job.so_far();
   const std::lock_guard lock(mutex_);
   if (running_.size() >= kMostKept && !running_.contains(key))
     std::erase_if(running_, [](const auto& of) { return !of.second.under_way; });
