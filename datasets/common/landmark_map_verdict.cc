@@ -1,3 +1,5 @@
+// Long, for each doubt of a map is a sentence of its own, and all are weighed in one order (JudgeFit); those
+// with figures of their own to find are pairs beside it (calibration_doubts, width_doubts, moved_landmarks).
 #include "datasets/common/landmark_map_verdict.h"
 
 #include <fmt/format.h>

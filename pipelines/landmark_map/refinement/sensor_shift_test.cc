@@ -41,6 +41,27 @@ TEST(FindSensorShifts, FindByHowMuchAndWhichIsLate) {
   }
 }
 
+// Rows of what one robot saw.
+struct SeenPosts {
+  std::vector<std::int32_t> landmark;
+  std::vector<double> time_s, range_m, bearing_rad;
+};
+
+// A log of fourteen landmarks that all have names.
+Blob NamedLog(const std::vector<double>& time_s, const std::vector<double>& turn_rad,
+              const std::vector<double>& forward_m, const SeenPosts& seen) {
+  Blob log = PostsLog{.named = true}.Make();
+  log.Put("landmarks", Array::Texts({"a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n"}));
+  log.PutVector("robot/0/odometry/time_s", time_s);
+  log.PutVector("robot/0/odometry/turn_rad", turn_rad);
+  log.PutVector("robot/0/odometry/forward_m", forward_m);
+  log.PutVector("robot/0/observations/landmark", seen.landmark);
+  log.PutVector("robot/0/observations/time_s", seen.time_s);
+  log.PutVector("robot/0/observations/range_m", seen.range_m);
+  log.PutVector("robot/0/observations/bearing_rad", seen.bearing_rad);
+  return log;
+}
+
 // A robot of 1 m/s in bends to either side, whose odometry is of poses: of each time a row that turns and
 // goes, and one that turns on.
 struct EvenDrive {
@@ -76,16 +97,7 @@ struct EvenDrive {
         bearing.push_back(std::atan2(seen.y_m, seen.x_m) + 0.02 * rng.Normal());
       }
     }
-    log = PostsLog{.named = true}.Make();
-    log.Put("landmarks",
-            Array::Texts({"a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n"}));
-    log.PutVector("robot/0/odometry/time_s", row_s);
-    log.PutVector("robot/0/odometry/turn_rad", turn);
-    log.PutVector("robot/0/odometry/forward_m", forward);
-    log.PutVector("robot/0/observations/landmark", landmark);
-    log.PutVector("robot/0/observations/time_s", seen_s);
-    log.PutVector("robot/0/observations/range_m", range);
-    log.PutVector("robot/0/observations/bearing_rad", bearing);
+    log = NamedLog(row_s, turn, forward, {landmark, seen_s, range, bearing});
   }
 
   // What the map's path is off from the true one, at most, the one laid on the other.
@@ -199,16 +211,7 @@ TEST(FindSensorShifts, NoneOfARobotThatNeverTurns) {
         bearing.push_back(ahead + 0.03 * rng.Normal());
       }
     }
-    Blob log = PostsLog{.named = true}.Make();
-    log.Put("landmarks",
-            Array::Texts({"a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n"}));
-    log.PutVector("robot/0/odometry/time_s", time);
-    log.PutVector("robot/0/odometry/turn_rad", turn);
-    log.PutVector("robot/0/odometry/forward_m", forward);
-    log.PutVector("robot/0/observations/landmark", landmark);
-    log.PutVector("robot/0/observations/time_s", seen_s);
-    log.PutVector("robot/0/observations/range_m", range);
-    log.PutVector("robot/0/observations/bearing_rad", bearing);
+    const Blob log = NamedLog(time, turn, forward, {landmark, seen_s, range, bearing});
     const BlobPtr map = RunInProcess(LandmarkMap({}), {{"log", std::make_shared<const Blob>(log)}});
     EXPECT_FALSE(map->Has("robot/0/sensor_x_m")) << seed;
   }
