@@ -1,7 +1,7 @@
 #include "coordinator/client.h"
 
 #include <algorithm>
-#include <chrono>
+#include <thread>
 #include <utility>
 
 #include "schema/flat_blob.h"
@@ -17,6 +17,7 @@ constexpr double kCleaning_s = 600;  // it reads every checkpoint
 constexpr double kSlowestBytesPerS = 1e6;
 constexpr std::uint64_t kPieceBytes = 1'000'000;  // no more at a time: a message of less than a MiB
 constexpr int kMostUnkept = 3;                    // submissions in turn after which inputs are missing
+constexpr double kPatience_s = 60;                // with a service that says: ask again later
 constexpr int kMostBroken = 5;                    // uploads that are begun again, answers asked for again
 
 std::chrono::milliseconds Left(Clock::time_point end) {
@@ -148,6 +149,8 @@ Result<Client> Client::Connect(const ClientOptions& options) {
 
 Result<wire::Message> Client::Ask(wire::Message question, double timeout_s, int repeats) {
   Result<wire::Message> answer = AskOnce(question, timeout_s, repeats);
+  for (const Clock::time_point end = After(kPatience_s); WaitToAskAgain(end);)
+    answer = AskOnce(question, timeout_s, repeats);
   const Code code = answer.status().code();
   const bool said_no = code == Code::kRefused || code == Code::kNoSpace;
   if (code == Code::kOk || (said_no && answered_)) return answer;
@@ -156,11 +159,20 @@ Result<wire::Message> Client::Ask(wire::Message question, double timeout_s, int 
   return answer;
 }
 
+bool Client::WaitToAskAgain(Clock::time_point end) {
+  if (!(again_s_ > 0) || again_s_ > kPatience_s) return false;
+  const Clock::time_point then = After(again_s_);
+  if (then > end) return false;
+  std::this_thread::sleep_until(then);
+  return true;
+}
+
 Result<wire::Message> Client::AskOnce(const wire::Message& question, double timeout_s, int repeats) {
   Clock::time_point end = After(timeout_s);
   wire::Poller poller;
   poller.Add(socket_);
   answered_ = false;
+  again_s_ = 0;
   bool sent = false, broken = false, lost = false;
   while (true) {
     while (const std::optional<wire::LinkEvent> event = socket_.TryEvent()) {
@@ -182,6 +194,7 @@ Result<wire::Message> Client::AskOnce(const wire::Message& question, double time
         // Asked twice, it may be answered twice.
         if (lost)
           if (const Status again = socket_.Reconnect(); !again.ok()) return again;
+        again_s_ = received->message.envelope.reply().again_s();
         return Judge(std::move(*received));
       }
     }
@@ -236,7 +249,9 @@ Result<wire::JobInfo> Client::Submit(proto::Job job, const std::map<std::string,
       const auto input = by_hash.find(hash);
       if (input == by_hash.end())
         return Status(Code::kVersion, "the service asks for a blob that it was not offered");
-      const Status uploaded = Upload(*input->second);
+      Status uploaded = Upload(*input->second);
+      for (const Clock::time_point end = After(kPatience_s); WaitToAskAgain(end);)
+        uploaded = Upload(*input->second);
       if (uploaded.ok()) continue;
       const bool again = uploaded.code() == Code::kBusy || uploaded.code() == Code::kIo;
       if (!again || ++broken > kMostBroken) return uploaded;
@@ -271,6 +286,7 @@ Status Client::Upload(const Input& input) {
         if (envelope.credit().hash() == input.meta.hash()) credit += envelope.credit().bytes();
         continue;
       }
+      again_s_ = envelope.reply().again_s();
       const Result<wire::Message> answer = Judge(std::move(*received));
       if (!answer.ok()) return answer.status();
       const wire::Reply& reply = answer.value().envelope.reply();

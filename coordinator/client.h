@@ -2,6 +2,7 @@
 // the like do.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -76,7 +77,8 @@ struct ResultsFacts {
 // For one thread.
 // kIo: nobody answers at the endpoint.
 // kRefused: the service said no (message: why), or does not know this key.
-// kNoSpace: it cannot now, for what it lacks (a full disk or store, too much that others ask).
+// kNoSpace: it cannot now, for what it lacks (a full disk or store, too much that others ask). Where it says
+// that it was asked too often it is asked again, for a minute.
 // kNotFound: no such job.
 class Client {
  public:
@@ -119,6 +121,8 @@ class Client {
   explicit Client(ClientOptions options, wire::DealerSocket socket);
   // `repeats`: how often it may ask again on another connection.
   Result<wire::Message> Ask(wire::Message question, double timeout_s, int repeats = 0);
+  // Where the last answer was that it was asked too often, and may be again before `end`: waits until then.
+  bool WaitToAskAgain(std::chrono::steady_clock::time_point end);
   // kBusy: it has to begin again.
   Status Upload(const Input& input);
   Result<wire::Message> AskOnce(const wire::Message& question, double timeout_s, int repeats);
@@ -128,6 +132,7 @@ class Client {
   ClientOptions options_;
   wire::DealerSocket socket_;
   bool answered_ = false;  // the last question, whatever the answer was
+  double again_s_ = 0;     // Reply.again_s of it
 };
 
 }  // namespace cairn::coordinator

@@ -161,6 +161,44 @@ TEST_F(ClientTest, ARefusedSubmissionIsNotRepeated) {
   EXPECT_EQ(asked, 1);
 }
 
+// So nothing that polls ends for it, `cairn watch` or an upload of many inputs.
+TEST_F(ClientTest, AServiceThatIsAskedTooOftenIsAskedAgain) {
+  int asked = 0;
+  Uploaded uploaded;
+  const std::string lacking = Number(1)->ContentHash().Binary();
+  FakeService service(folder_.Ipc("s"), [&](const wire::Message& question) -> std::optional<wire::Message> {
+    if (question.envelope.has_piece()) return uploaded.Answer(question.envelope);
+    if (++asked % 3 != 0) {
+      wire::Message often = Ok();
+      often.envelope.mutable_reply()->set_ok(false);
+      often.envelope.mutable_reply()->set_unable(true);
+      often.envelope.mutable_reply()->set_again_s(0.01);
+      return often;
+    }
+    if (question.envelope.has_offer()) return uploaded.Answer(question.envelope);
+    if (question.envelope.has_submit() && uploaded.bytes.empty()) return Lacks(lacking);
+    wire::Message reply = Ok();
+    reply.envelope.mutable_reply()->add_jobs()->set_id("1-museum");
+    return reply;
+  });
+  Client client = Connect();
+  EXPECT_TRUE(client.Info("1-museum").ok());
+  EXPECT_EQ(asked, 3);
+  EXPECT_TRUE(client.Submit(proto::Job(), {{"log", Number(1)}}).ok());
+  EXPECT_EQ(asked, 12);
+}
+
+TEST_F(ClientTest, AServiceThatSaysToAskAgainInHoursIsNotWaitedFor) {
+  FakeService service(folder_.Ipc("s"), [](const wire::Message&) {
+    wire::Message often = Ok();
+    often.envelope.mutable_reply()->set_ok(false);
+    often.envelope.mutable_reply()->set_unable(true);
+    often.envelope.mutable_reply()->set_again_s(1e12);
+    return often;
+  });
+  EXPECT_EQ(Connect().Info("1-museum").status().code(), Code::kNoSpace);
+}
+
 // By which a command knows with which code it ends.
 TEST_F(ClientTest, AServiceThatCannotNowIsToldFromOneThatWillNot) {
   std::atomic<bool> unable = false;

@@ -112,21 +112,22 @@ wire::KeyLimits AccessControl::LimitsOf(const std::string& user) const {
 }
 
 // Pieces of an upload come at the pace that they are asked for, and what workers say is no request.
-std::string AccessControl::WhyTooOften(const std::string& user, const wire::Envelope& envelope,
-                                       double now_s) {
+std::optional<TooOften> AccessControl::AsksTooOften(const std::string& user, const wire::Envelope& envelope,
+                                                    double now_s) {
   constexpr double kBurst_s = 10;
-  if (!list_ || envelope.has_piece() || RightNeeded(envelope) == Right::kWork) return "";
+  if (!list_ || envelope.has_piece() || RightNeeded(envelope) == Right::kWork) return std::nullopt;
   const std::uint64_t per_s = LimitsOf(user).requests;
-  if (per_s == 0) return "";
+  if (per_s == 0) return std::nullopt;
   const auto rate_of = [&] {
     const auto many = static_cast<double>(per_s);
     return Rate{per_s, wire::Bucket(many, kBurst_s * many)};
   };
   const auto it = rates_.try_emplace(user, rate_of()).first;
   if (it->second.per_s != per_s) it->second = rate_of();
-  if (it->second.bucket.Take(now_s)) return "";
-  return "the key of " + NameOf(user) + " asks more than " + std::to_string(per_s) +
-         " times a second (requests=" + std::to_string(per_s) + "); ask again, less often";
+  if (it->second.bucket.Take(now_s)) return std::nullopt;
+  return TooOften{"the key of " + NameOf(user) + " asks more than " + std::to_string(per_s) +
+                      " times a second (requests=" + std::to_string(per_s) + "); ask again, less often",
+                  it->second.bucket.Wait(now_s)};
 }
 
 bool AccessControl::MayWork(const std::string& peer) const {

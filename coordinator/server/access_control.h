@@ -16,6 +16,11 @@
 
 namespace cairn::coordinator {
 
+struct TooOften {
+  std::string why;
+  double again_s = 0;  // after which it may be asked again
+};
+
 // One for each coordinator. Without an allow list whoever reaches the socket may do all: it lies in a folder
 // that nobody else may enter (schema/wire/endpoint.h).
 class AccessControl {
@@ -33,8 +38,8 @@ class AccessControl {
   // process) that it names, to the user's key.
   std::optional<wire::Refusal> Check(const std::string& peer, const std::string& user,
                                      const wire::Envelope& envelope, const Fleet& fleet);
-  // Empty where the key may ask this now, too: it asks no more often than it may.
-  std::string WhyTooOften(const std::string& user, const wire::Envelope& envelope, double now_s);
+  // Null where the key may ask this now, too: it asks no more often than it may.
+  std::optional<TooOften> AsksTooOften(const std::string& user, const wire::Envelope& envelope, double now_s);
   // Of a key, or, where there are none, of whoever asks: nothing is limited.
   wire::KeyLimits LimitsOf(const std::string& user) const;
   // What that key is called; none where there are no keys.

@@ -180,8 +180,8 @@ void Server::Receive(Incoming& incoming) {
     refusal->reason = wire::ShortKey(incoming.user) + ": " + refusal->reason;
     return TurnAway(incoming.peer, *refusal);
   }
-  if (const std::string often = access_control_.WhyTooOften(incoming.user, envelope, Now()); !often.empty())
-    return RefuseAsUnable(incoming.peer, wire::RefusalKind::kQuota, often);
+  if (const auto often = access_control_.AsksTooOften(incoming.user, envelope, Now()))
+    return RefuseAsUnable(incoming.peer, wire::RefusalKind::kQuota, often->why, often->again_s);
   NoteWhoAsks(incoming.peer, incoming.user, envelope);
   if (envelope.has_query() || envelope.has_workers() || envelope.has_have()) {
     if (transport_.Unsent(incoming.peer) >= kMostUnreadAnswers) return;  // it asks again when it has read

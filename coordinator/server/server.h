@@ -185,7 +185,8 @@ class Server {
   void Serve(const std::string& peer, const wire::Clean& clean);
   void Serve(const std::string& peer, const wire::WorkerQuery& query);
   void RefuseJob(const std::string& peer, wire::RefusalKind kind, const std::string& why);
-  void RefuseAsUnable(const std::string& peer, wire::RefusalKind kind, const std::string& why);
+  void RefuseAsUnable(const std::string& peer, wire::RefusalKind kind, const std::string& why,
+                      double again_s = 0);
   void Complete(const std::string& user, wire::JobInfo& info) const;
   wire::Message AboutJobs(const std::string& user, const std::string& job) const;
   bool MayAskWriter(const std::string& peer);

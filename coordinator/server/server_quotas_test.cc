@@ -134,6 +134,8 @@ TEST_F(Quotas, WhoAsksTooOftenIsToldSoAndNobodyElseIs) {
     ++refused;
     EXPECT_NE(reply.message().find("asks more than 1 times a second"), std::string::npos) << reply.message();
     EXPECT_TRUE(reply.unable());
+    EXPECT_GT(reply.again_s(), 0);
+    EXPECT_LE(reply.again_s(), 1);
   }
   EXPECT_GE(refused, 1);
   EXPECT_LE(refused, 30);

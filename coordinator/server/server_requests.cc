@@ -123,10 +123,12 @@ void Server::RefuseJob(const std::string& peer, wire::RefusalKind kind, const st
 }
 
 // It is right, and may be asked again later, or elsewhere.
-void Server::RefuseAsUnable(const std::string& peer, wire::RefusalKind kind, const std::string& why) {
+void Server::RefuseAsUnable(const std::string& peer, wire::RefusalKind kind, const std::string& why,
+                            double again_s) {
   refusals_.Add({kind, why}, Now());
   wire::Message reply = Refusal(why);
   reply.envelope.mutable_reply()->set_unable(true);
+  reply.envelope.mutable_reply()->set_again_s(again_s);
   Reply(peer, std::move(reply));
 }
 

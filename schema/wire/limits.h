@@ -60,6 +60,11 @@ class Bucket {
     left_ -= 1;
     return true;
   }
+  // From now until one may be taken, s.
+  double Wait(double now_s) const {
+    const double lacks = 1 - std::min(burst_, left_ + (now_s - then_s_) * per_s_);
+    return lacks <= 0 ? 0 : lacks / per_s_;
+  }
   bool Full(double now_s) const { return left_ + (now_s - then_s_) * per_s_ >= burst_; }
 
  private:

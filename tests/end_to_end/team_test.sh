@@ -87,6 +87,9 @@ says 'revoked 1'
 exits 2 as ann list
 says 'does not know this key'
 exits 0 as ann-2 resume "$anns"
+# A key that has asked ten times at once waits, and is answered.
+exits 0 cairn keys allow "$keys/bob.pub" --as submitter --limits requests=1
+for _ in {1..13}; do exits 0 as bob status "$bobs"; done
 # Whose time is over is a stranger.
 exits 0 cairn keys allow "$keys/bob.pub" --as submitter --until "$(date -u -d '+2 seconds' +%FT%TZ)"
 until_true 20 bash -c "! cairn list --key '$keys/bob.key' >/dev/null 2>&1"
