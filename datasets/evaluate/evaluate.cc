@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "datasets/common/landmark_map_verdict.h"
 #include "datasets/common/made_from.h"
 #include "datasets/evaluate/landmarks.h"
 #include "datasets/evaluate/matching/align.h"
 #include "datasets/evaluate/matching/associations.h"
 #include "datasets/evaluate/track.h"
+#include "datasets/verdicts/landmark_map_verdict.h"
 #include "schema/kinds/provenance.h"
 #include "schema/text.h"
 

@@ -4,14 +4,14 @@
 
 #include <algorithm>
 
-#include "datasets/common/grid_map_verdict.h"
-#include "datasets/common/landmark_map_verdict.h"
-#include "datasets/common/local_map_verdict.h"
-#include "datasets/common/localization_verdict.h"
-#include "datasets/common/networks_verdict.h"
 #include "datasets/common/occupancy.h"
 #include "datasets/report/draw_map.h"
 #include "datasets/report/pages/pages.h"
+#include "datasets/verdicts/grid_map_verdict.h"
+#include "datasets/verdicts/landmark_map_verdict.h"
+#include "datasets/verdicts/local_map_verdict.h"
+#include "datasets/verdicts/localization_verdict.h"
+#include "datasets/verdicts/networks_verdict.h"
 #include "schema/kinds/grid_map.h"
 #include "schema/kinds/local_map.h"
 

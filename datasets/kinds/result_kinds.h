@@ -9,12 +9,12 @@
 #include <variant>
 #include <vector>
 
-#include "datasets/common/verdict.h"
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/evaluate/grid.h"
 #include "datasets/evaluate/learning/localization.h"
 #include "datasets/evaluate/learning/networks.h"
 #include "datasets/evaluate/local.h"
+#include "datasets/verdicts/verdict.h"
 #include "schema/blob.h"
 
 namespace cairn::datasets {

@@ -290,7 +290,7 @@ void PutLandmarks(const std::vector<Landmark>& landmarks, const MapRules& rules,
 
 // Leaves out what the log's rate of false observations says is no landmark. Of the others it says how often
 // they were passed, unless the log states that none is false: that is what tells where no rate is stated
-// (datasets/common/landmarks_seen_once.h).
+// (datasets/verdicts/landmarks_seen_once.h).
 void JudgePasses(const Settings& settings, const Column<double>& false_ratio,
                  std::vector<Landmark>* landmarks, Eigen::MatrixXd* covariance, Blob* result) {
   const double reach_m = std::max(5.0 * settings.map.observation_m, 1.5 * settings.map.grid.cell_m);

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/local_map_verdict.h"
 #include "datasets/common/unit_doubts.h"
 #include "datasets/evaluate/local.h"
 #include "datasets/simulate/office/office.h"
+#include "datasets/verdicts/local_map_verdict.h"
 #include "pipelines/registry.h"
 #include "pipelines/testing/in_process.h"
 #include "schema/kinds/log.h"

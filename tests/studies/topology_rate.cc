@@ -19,10 +19,10 @@
 #include <vector>
 
 #include "coordinator/cli/commands/simulate/loop_options.h"
-#include "datasets/common/landmark_map_verdict.h"
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/import/csv.h"
 #include "datasets/simulate/loop.h"
+#include "datasets/verdicts/landmark_map_verdict.h"
 #include "pipelines/landmark_map/measured.h"
 #include "pipelines/registry.h"
 #include "pipelines/testing/in_process.h"

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "datasets/common/landmark_map_verdict.h"
 #include "datasets/evaluate/evaluate.h"
 #include "datasets/simulate/loop.h"
+#include "datasets/verdicts/landmark_map_verdict.h"
 #include "pipelines/landmark_map/measured.h"
 #include "pipelines/registry.h"
 #include "pipelines/testing/in_process.h"

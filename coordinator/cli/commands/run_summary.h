@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "coordinator/cli/job_file/job_file.h"
-#include "datasets/common/verdict.h"
 #include "datasets/evaluate/scores.h"
+#include "datasets/verdicts/verdict.h"
 
 namespace cairn::cli {
 

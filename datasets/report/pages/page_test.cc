@@ -8,7 +8,6 @@
 #include <regex>
 #include <vector>
 
-#include "datasets/common/landmark_map_verdict.h"
 #include "datasets/evaluate/testing/grid.h"
 #include "datasets/evaluate/testing/perfect_result.h"
 #include "datasets/kinds/job_report.h"
@@ -17,6 +16,7 @@
 #include "datasets/report/pictures.h"
 #include "datasets/simulate/loop.h"
 #include "datasets/testing.h"
+#include "datasets/verdicts/landmark_map_verdict.h"
 
 namespace cairn::datasets::report {
 namespace {

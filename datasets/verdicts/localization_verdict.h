@@ -1,0 +1,16 @@
+// How far a localization can be trusted.
+#pragma once
+
+#include "datasets/verdicts/verdict.h"
+#include "schema/blob.h"
+
+namespace cairn::datasets {
+
+// Of a localization, by what its robots say of themselves: how many end sure of their place (a spread of at
+// most a quarter of that of positions anywhere), and whether the features were foretold as well as the
+// beliefs say they should be. Low: fewer than half are sure, or they were foretold less well, as on a map of
+// another place. Else fair: robots that are wrong, and sure, at a place that looks the same are not found
+// out. Not known of a file that does not tell how well they were foretold.
+Verdict LocalizationVerdict(const Blob& result);
+
+}  // namespace cairn::datasets
