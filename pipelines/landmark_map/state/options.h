@@ -46,13 +46,12 @@ struct Options {
 
 template <class V>
 void VisitOptions(V& visit, Options& o) {
-  visit(
-      Option{
-          "cell_m", "m", 0, 100,
-          "edge of a map cell; 0: a 90th of the first robot's extent, on which several starts are searched "
-          "even where this is finer; of range-bearing observations without identity whose log states no "
-          "drift as fine as one range-bearing observation is exact, down to a fifth of that"},
-      o.cell_m);
+  visit(Option{"cell_m", "m", 0, 100,
+               "edge of a map cell; 0: a 90th of the first robot's extent, or of how far it sees where that "
+               "is more, on which several starts are searched "
+               "even where this is finer; of range-bearing observations without identity whose log states no "
+               "drift as fine as one range-bearing observation is exact, down to a fifth of that"},
+        o.cell_m);
   visit(Option{"heading_deg", "deg", 0, 45, "step of the heading grid; 0: 5, finer for range and bearing"},
         o.heading_deg);
   visit(

@@ -64,13 +64,17 @@ double HeadingStepDeg(const Options& options, const Sensing& sensing, double cel
 // Starts spread over the drift that the log states.
 bool TellsDrift(const kinds::Log& log) { return static_cast<bool>(log.noise.heading_drift_rad_per_m); }
 
-double ExtentCell(double extent_m) { return RoundNumber(std::max(extent_m, 0.9) / 90.0); }
+// A 90th of the extent of the path, or of what a robot that hardly moves sees.
+double ExtentCell(double extent_m, const Sensing& sensing) {
+  const double seen_m = sensing.ranged > 0 ? sensing.mean_range_m : 0.0;
+  return RoundNumber(std::max({extent_m, seen_m, 0.9}) / 90.0);
+}
 
-// A 90th of the extent. Range-bearing observations without identity are told apart by where they are: a cell
+// Range-bearing observations without identity are told apart by where they are: a cell
 // should not blur them further than the sensor does, but a fifth is as much as the time allows. Not where the
 // log tells its drift.
 double DefaultCell(const kinds::Log& log, const Sensing& sensing, double extent_m, double range_bearing_m) {
-  const double cell_m = ExtentCell(extent_m);
+  const double cell_m = ExtentCell(extent_m, sensing);
   const bool identified = sensing.identified == sensing.observations;
   if (sensing.ranged == 0 || identified || TellsDrift(log) || !(range_bearing_m > 0.0)) return cell_m;
   return std::clamp(RoundNumber(range_bearing_m), 0.2 * cell_m, cell_m);
@@ -376,7 +380,7 @@ StartCost CostOfStart(const Settings& settings, const Seen& seen) {
 Options OnSearchGrid(const Options& options, const Seen& seen) {
   constexpr double kCoarser = 2.5;
   Options coarse = options;
-  coarse.cell_m = std::min(ExtentCell(seen.extent_m), kCoarser * seen.default_cell_m);
+  coarse.cell_m = std::min(ExtentCell(seen.extent_m, seen.sensing), kCoarser * seen.default_cell_m);
   if (options.cell_m >= coarse.cell_m) return options;
   coarse.heading_deg = 0.0;
   return coarse;

@@ -119,6 +119,15 @@ TEST(Resolve, ACellIsNoLargerThanWhatAnObservationWithoutIdentityErrsBy) {
   EXPECT_DOUBLE_EQ(Resolve({}, SquareLog{.laps = 1, .side_m = 50.0}.Make()).map.grid.cell_m, 0.5);
 }
 
+// Landmarks lie as far as it sees, though it goes nowhere: a map of them on cells of a 90th of its path has
+// millions.
+TEST(Resolve, OfARobotThatHardlyMovesCellsFollowWhatItSees) {
+  Blob log = SquareLog{.laps = 2, .side_m = 1.0, .ranged = true}.Make();
+  log.PutVector("robot/0/observations/range_m",
+                std::vector<double>(log.at("robot/0/observations/time_s").size(), 9.0));
+  EXPECT_DOUBLE_EQ(Resolve({}, log).map.grid.cell_m, 0.1);
+}
+
 // What a log without names states of an exact sensor is for the least squares and for single images; EM finds
 // the same map as where nothing is stated.
 TEST(Resolve, EmTakesNoSensorForMoreExactThanUsual) {
