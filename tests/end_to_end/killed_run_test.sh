@@ -2,7 +2,7 @@
 # kill -9 of the whole `cairn run` at several moments, then the same command again: the same bits, and no worker is left.
 # KILLS=10 and more: the long version.
 source "$(dirname "$0")/common.sh"
-kills=${KILLS:-5}
+kills=${KILLS:-3}
 
 cairn simulate loop --difficulty base --robots 2 --seed 5 log.h5 >/dev/null
 job=(cairn run landmark_map log.h5 --set cell_m=0.4 --set starts=3 --set waves=0 --workers 2 --checkpoint-rounds 1)
@@ -48,7 +48,7 @@ if find killed -name '*.tmp' | grep -q .; then die "a half-written file is left:
 # long version.
 fine_kills=${FINE_KILLS:-2}
 settings=()
-for pair in ${FINE_SETTINGS:-cell_m=0.25 heading_deg=2 starts=1}; do settings+=(--set "$pair"); done
+for pair in ${FINE_SETTINGS:-cell_m=0.3 heading_deg=3 starts=1}; do settings+=(--set "$pair"); done
 cairn simulate loop --difficulty base --seed 5 fine.h5 >/dev/null
 fine=(cairn run landmark_map fine.h5 "${settings[@]}" --workers 2)
 computed() { # PID: what its workers have used
