@@ -59,6 +59,7 @@ void Core::RefuseSubmission(Job& job, const std::string& why) {
 
 // But for what the job did by itself since: one that has failed, or is done, stays so.
 void Core::Undo(Job& job, const Standing& before) {
+  share_.Reprioritize(job.order, job.spec.priority(), before.priority);
   job.spec.set_priority(before.priority);
   actions_.push_back(JobChanged{job.id});
   const bool by_itself = job.state == proto::JOB_FAILED || job.state == proto::JOB_DONE;
@@ -158,6 +159,7 @@ void Core::On(const PrioritizeJob& event) {
   AnswerWhenSaved(*job, event.asker, job->Stands());
   Say(Report::kInfo, *job,
       "priority " + std::to_string(event.priority) + " instead of " + std::to_string(job->spec.priority()));
+  share_.Reprioritize(job->order, job->spec.priority(), event.priority);
   job->spec.set_priority(event.priority);
   actions_.push_back(JobChanged{job->id});
   WantSave(*job, true);

@@ -39,4 +39,12 @@ void FairShare::Charge(std::uint64_t job, double seconds, int priority) {
   if (ready) ready_.insert({clock, job});
 }
 
+void FairShare::Reprioritize(std::uint64_t job, int before, int priority) {
+  const auto it = clocks_.find(job);
+  if (it == clocks_.end() || it->second <= now_) return;
+  const bool ready = ready_.erase({it->second, job}) > 0;
+  it->second = now_ + (it->second - now_) * std::exp2(before - priority);
+  if (ready) ready_.insert({it->second, job});
+}
+
 }  // namespace cairn::coordinator

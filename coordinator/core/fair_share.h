@@ -21,6 +21,8 @@ class FairShare {
   std::optional<std::uint64_t> Next() const;
   // The job that is next was given work of about so many worker seconds.
   void Charge(std::uint64_t job, double seconds, int priority);
+  // What it was given counts from now on as if its priority had been this one.
+  void Reprioritize(std::uint64_t job, int before, int priority);
 
  private:
   std::map<std::uint64_t, double> clocks_;            // what each was given, divided by its share

@@ -50,6 +50,21 @@ TEST(FairShare, WhoComesLateOrComesBackHasSavedNothingUp) {
   for (const std::uint64_t job : {1u, 2u, 3u}) EXPECT_NEAR(given.at(job), 10, 1);
 }
 
+// A job that began last of all and is wanted soon does not wait for what its first turn weighed then.
+TEST(FairShare, WhatAJobWasGivenCountsByThePriorityThatItHasNow) {
+  FairShare share;
+  share.Offer(1);
+  share.Offer(2);
+  share.Charge(1, 1, -10);
+  Serve(share, 3, {{2, 1.0}});
+  share.Reprioritize(1, -10, 10);
+  EXPECT_GT(Serve(share, 30, {{1, 1.0}, {2, 1.0}}, {{1, 10}})[1], 25);
+  share.Charge(1, 1, 10);
+  share.Reprioritize(1, 10, -10);
+  EXPECT_EQ(Serve(share, 30, {{1, 1.0}, {2, 1.0}}, {{1, -10}})[2], 30) << "nor the other way round";
+  share.Reprioritize(3, 0, 1);  // one that was never offered
+}
+
 TEST(FairShare, ATurnIsNeverFree) {
   FairShare share;
   share.Offer(1);

@@ -253,6 +253,8 @@ wire::JobInfo MakeInfo(const Job& job, double now_s) {
   info.set_round(job.round);
   info.set_input_error(job.input_error);
   info.set_priority(job.spec.priority());
+  info.set_task_time_s(job.spec.task_time_s());
+  info.set_task_memory_mb(job.spec.task_memory_mb());
   info.set_seconds(job.Seconds(now_s));
   info.mutable_failures()->Assign(job.failures.begin(), job.failures.end());
   for (const proto::StageFacts& facts : job.facts) {

@@ -64,6 +64,8 @@ says '^reason +paused by chief \('
 exits 1 as chief status --check
 says '^CAIRN WARNING: .*1 job paused, not by the owner'
 exits 0 as ann resume "$anns"
+exits 0 as ann submit landmark_map log.h5 --seed 1 --priority 3
+says "^already there: $anns, queued; .*; its priority stays 0, not 3 \(cairn priority $anns 3\)\$"
 
 # Two jobs at a time, and a key that is about to end.
 submit ann 3

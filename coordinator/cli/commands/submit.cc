@@ -1,4 +1,5 @@
 // cairn submit: a job, or one of each file of a fleet.
+#include <fmt/format.h>
 #include <glob.h>
 
 #include <algorithm>
@@ -90,6 +91,22 @@ std::string WhoseItIs(const wire::JobInfo& info) {
   return info.owner().empty() ? ", of an unknown owner" : ", of " + Escaped(OwnerText(info));
 }
 
+// In what a job that was there already differs from what was asked for now; empty: in nothing.
+std::string WhatItKeeps(const proto::Job& asked, const wire::JobInfo& info) {
+  std::string text;
+  if (info.state() == "done") return text;
+  const auto keeps = [&](const char* what, auto wanted, auto is, const std::string& then) {
+    if (wanted == decltype(wanted){} || wanted == is) return;
+    text += fmt::format("; its {} stays {}, not {}{}", what, is, wanted, then);
+  };
+  const std::string anew = " (cairn delete it to submit it anew)";
+  keeps("priority", asked.priority(), info.priority(),
+        fmt::format(" (cairn priority {} {})", info.id(), asked.priority()));
+  keeps("task_time_s", asked.task_time_s(), info.task_time_s(), anew);
+  keeps("task_memory_mb", asked.task_memory_mb(), info.task_memory_mb(), anew);
+  return text;
+}
+
 wire::JobInfo SubmitOne(const SubmitArguments& options, coordinator::Client& client, ParsedJob parsed) {
   if (options.priority) parsed.job.set_priority(*options.priority);
   const std::map<std::string, coordinator::Input> inputs =
@@ -98,8 +115,8 @@ wire::JobInfo SubmitOne(const SubmitArguments& options, coordinator::Client& cli
   wire::JobInfo info = Take(client.Submit(parsed.job, inputs, &known));
   if (options.json) return info;
   if (known)
-    std::printf("already there: %s, %s%s; cairn watch %s\n", info.id().c_str(), info.state().c_str(),
-                WhoseItIs(info).c_str(), info.id().c_str());
+    std::printf("already there: %s, %s%s; cairn watch %s%s\n", info.id().c_str(), info.state().c_str(),
+                WhoseItIs(info).c_str(), info.id().c_str(), WhatItKeeps(parsed.job, info).c_str());
   else
     std::printf("submitted %s; cairn watch %s\n", info.id().c_str(), info.id().c_str());
   return info;
