@@ -246,6 +246,12 @@ MHD_Result HttpServer::Impl::Begin(MHD_Connection* connection, Exchange& exchang
     return Queue(connection, {.code = MHD_HTTP_BAD_REQUEST,
                               .body = "how long the body is was said twice\n",
                               .headers = {{"Connection", "close"}}});
+  // Before the colon is no space, which proxies read in different ways (RFC 9112, 5.1).
+  for (const auto& [name, value] : request.headers)
+    if (name.find_first_of(" \t") != std::string::npos)
+      return Queue(connection, {.code = MHD_HTTP_BAD_REQUEST,
+                                .body = "there is a space in a header's name\n",
+                                .headers = {{"Connection", "close"}}});
   const bool form = uploads && request.method == "POST" &&
                     request.Header("content-type").starts_with("multipart/form-data");
   if (announced > (form ? limits.upload_bytes : limits.body_bytes))

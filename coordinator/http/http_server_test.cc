@@ -87,6 +87,17 @@ TEST_F(HttpServerTest, ABodyOfTwoLengthsIsRefusedAndTheConnectionClosed) {
   EXPECT_NE(Ask(post + "Connection: close\r\n\r\nabc").find("[abc]"), std::string::npos);
 }
 
+// Whoever reads it as no length takes the body for the next request.
+TEST_F(HttpServerTest, ASpaceBeforeAColonIsRefusedAndTheConnectionClosed) {
+  Listen({.body_bytes = 100});
+  for (const char* space : {" ", "\t"}) {
+    const std::string answer =
+        Ask("POST /x HTTP/1.1\r\nHost: here\r\nContent-Length" + std::string(space) + ": 3\r\n\r\nabc");
+    EXPECT_TRUE(answer.starts_with("HTTP/1.1 400 ")) << answer;
+    EXPECT_EQ(answer.find("HTTP/1.1", 1), std::string::npos) << answer;
+  }
+}
+
 TEST_F(HttpServerTest, HandsOnPathQueryHeadersAndBody) {
   Listen({.body_bytes = 100});
   const std::string answer =

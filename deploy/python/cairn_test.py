@@ -443,6 +443,14 @@ class PackageTest(folder_case.FolderCase):
         with mock.patch.dict(os.environ, PATH="/nowhere"):
             self.refused("there is no program 'cairn' on the path", cairn.evaluate, "map", "log.h5", error=cairn.CairnError)
 
+    def test_options_may_be_of_numpy_and_none_is_not_said(self) -> None:
+        plain = cairn.run("landmark_map", "log.h5", out="plain", options={"iterations": 1, "starts": 1, "refine": False})
+        numpy = {"iterations": np.int64(1), "starts": np.array(1), "refine": np.bool_(False), "cell_m": None}
+        same = cairn.run("landmark_map", "log.h5", out="numpy", options=numpy)
+        with h5py.File(plain.results["landmark_map"]) as one, h5py.File(same.results["landmark_map"]) as other:
+            self.assertEqual(one["map/landmark_x_m"][:].tolist(), other["map/landmark_x_m"][:].tolist())
+        self.refused("^--set starts=1,2: ", cairn.run, "landmark_map", "log.h5", options={"starts": np.array([1, 2])})
+
     def test_paths_are_no_options(self) -> None:
         self.copy("-x.h5", "log.h5"), self.copy("--help", "map/landmark_map.h5")
         done = cairn.run("landmark_map", "-x.h5", out="-out", options={"iterations": 1, "starts": 1}, workers=1)

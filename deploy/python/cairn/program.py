@@ -104,6 +104,8 @@ def _options(named: Mapping[str, Any]) -> list[str]:
 
 def _text(value: Any) -> str:
     """As the command line takes it: true, 0.25, 0.1,0.2, a path."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()  # of NumPy
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, (list, tuple)):
@@ -120,7 +122,7 @@ def _job(
     units_are_right: bool,
     **more: Any,
 ) -> list[str]:
-    words = [f"--set={name}={_text(value)}" for name, value in (options or {}).items()]
+    words = [f"--set={name}={_text(value)}" for name, value in (options or {}).items() if value is not None]
     words += [f"--input={name}={os.fspath(path)}" for name, path in (inputs or {}).items()]
     words += _options({"seed": seed, "units_are_right": units_are_right, **more})
     return [*words, "--", os.fspath(what), *([] if file is None else [os.fspath(file)])]

@@ -62,7 +62,8 @@ struct RowLog {
 };
 
 BlobPtr MapOfRow(const Blob& log) {
-  return RunInProcess(LandmarkMap({.cell_m = 0.2, .starts = 1}), {{"log", std::make_shared<const Blob>(log)}});
+  return RunInProcess(LandmarkMap({.cell_m = 0.2, .starts = 1}),
+                      {{"log", std::make_shared<const Blob>(log)}});
 }
 
 TEST(WeighShifts, ARowOfPostsFitsAsWellOnePostOn) {
