@@ -19,15 +19,18 @@ class WatchedDrive {
   WatchedDrive() = default;
   // Of a laser that sees no more than so much to either side of ahead.
   explicit WatchedDrive(double sees_rad) : sees_rad_(sees_rad) {}
+  // Of another sensor, elsewhere.
+  WatchedDrive(std::vector<Pose> beams, double reach_m, bool exact, std::vector<TestWall> walls)
+      : walls_(std::move(walls)), beams_(std::move(beams)), reach_m_(reach_m), exact_(exact) {}
   // The robot moves so, and odometry says so of it.
   void Move(const Pose& by, const Pose& odometry) {
     truth_ = Compose(truth_, by);
     dead_ = Compose(dead_, odometry);
     time_s_ += kStep_s;
     if (!reads_) return;
-    std::vector<double> ranges = LaserScan(walls_, truth_, rng_);
+    std::vector<double> ranges = RayScan(walls_, beams_, reach_m_, truth_, rng_, exact_);
     for (std::size_t b = 0; b < ranges.size(); ++b)
-      if (std::abs(beams_[b].heading_rad) > sees_rad_) ranges[b] = NAN;
+      if (std::abs(WrapAngle(beams_[b].heading_rad)) > sees_rad_) ranges[b] = NAN;
     const RingScan scan{time_s_, 0, ranges};
     watch_.Update(static_cast<std::int64_t>(scans_.size()), time_s_, dead_, false, {&scan, 1}, true);
     scans_.push_back({.time_s = time_s_, .pose = dead_});
@@ -50,8 +53,9 @@ class WatchedDrive {
   double time_s_ = 0;
   bool reads_ = true;
   std::vector<Pose> beams_ = LaserBeams();
-  double sees_rad_ = M_PI;
-  MotionWatch watch_{{{beams_, 0, 10}}};
+  double reach_m_ = 10, sees_rad_ = M_PI;
+  bool exact_ = false;
+  MotionWatch watch_{{{beams_, 0, reach_m_}}};
   std::vector<Scan> scans_;
 };
 
@@ -175,6 +179,23 @@ TEST(MotionWatch, ANarrowLaserSaysWhereOdometryCountsATurnThatIsNone) {
   ASSERT_FALSE(found.empty());
   EXPECT_NEAR(DegOf(found.front().scans_turn_rad), 0, 10);
   EXPECT_NEAR(DegOf(found.front().odometry_turn_rad), 90, 25);
+}
+
+// Of a few rays of a short reach (infra-red), which meet a wall so far apart that most of it lies between
+// them: had the robot stood, each would meet what it met before.
+TEST(MotionWatch, FewRaysAlongABlankCorridorBearNoWitnessAgainstOdometry) {
+  for (const int beams : {30, 36, 60}) {
+    for (const double reach_m : {2.0, 3.0, 4.0}) {
+      for (const bool exact : {false, true}) {
+        for (const double step_m : {0.06, 0.11, 0.2}) {
+          WatchedDrive drive(RingBeams(beams, 0.1), reach_m, exact, TestBox(40, 2.3, {14, 0.15, 0}));
+          for (double gone_m = 0; gone_m < 16; gone_m += step_m) drive.Move({step_m, 0, 0}, {step_m, 0, 0});
+          EXPECT_TRUE(drive.Found().empty())
+              << beams << " rays, " << reach_m << " m, " << (exact ? "exact, " : "") << step_m << " m a scan";
+        }
+      }
+    }
+  }
 }
 
 // Persons stand before the laser for one scan.

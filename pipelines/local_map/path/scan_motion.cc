@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "schema/kinds/log.h"
 #include "schema/square.h"
 
 namespace cairn::local_map {
@@ -15,6 +16,7 @@ constexpr std::size_t kHits = 60;                   // of a scan that are compar
 constexpr double kNear_m = 0.1, kNearRatio = 0.01;  // how far from what the first saw, and a metre of range
 constexpr double kCoarse_m = 0.15;                  // further in a search whose steps are coarse
 constexpr double kOneWall_m = 0.3, kOneWallRatio = 0.05;  // two neighbouring hits that close are of one wall
+constexpr double kOneWallSpacings = 2.9;  // and those so many spacings of the rays apart, as a metre of range
 
 double Distance2(const Point& p, const Point& a, const Point& b) {
   const double dx = b.x_m - a.x_m, dy = b.y_m - a.y_m, length2 = dx * dx + dy * dy;
@@ -27,7 +29,7 @@ double Distance2(const Point& p, const Point& a, const Point& b) {
 double FromSeen2(const LaserView& view, std::size_t beam, const Point& p, double range_m) {
   const Point& at = view.hits[beam];
   double least = Distance2(p, at, at);
-  const double wall2 = Square(kOneWall_m + kOneWallRatio * range_m);
+  const double wall2 = Square(std::max(kOneWall_m + kOneWallRatio * range_m, view.one_wall_ratio * range_m));
   for (const std::size_t other : {beam - 1, beam + 1}) {
     if (other >= view.hits.size() || std::isnan(view.hits[other].x_m)) continue;
     const Point& next = view.hits[other];
@@ -95,9 +97,12 @@ std::size_t DirectionOf(double angle_rad) {
 
 LaserFan::LaserFan(std::vector<Pose> beams, double max_range_m)
     : beams_(std::move(beams)), max_range_m_(max_range_m), beam_at_(kDirections, -1) {
-  double spacing = 0;
+  std::vector<double> spacings{0};
   for (std::size_t b = 1; b < beams_.size(); ++b)
-    spacing = std::max(spacing, std::abs(WrapAngle(beams_[b].heading_rad - beams_[b - 1].heading_rad)));
+    spacings.push_back(std::abs(WrapAngle(beams_[b].heading_rad - beams_[b - 1].heading_rad)));
+  std::ranges::sort(spacings);
+  const double spacing = spacings.back();
+  one_wall_ratio_ = kOneWallSpacings * spacings[spacings.size() / 2];
   for (std::size_t d = 0; d < kDirections; ++d) {
     const double angle = ((static_cast<double>(d) + 0.5) / kDirections - 0.5) * 2 * std::numbers::pi;
     double least = spacing;
@@ -115,11 +120,12 @@ LaserView LaserFan::View(const RingScan& scan) const {
   view.beam_at = beam_at_;
   view.origin = {beams_.front().x_m, beams_.front().y_m};
   view.max_range_m = max_range_m_;
+  view.one_wall_ratio = one_wall_ratio_;
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::size_t count = 0;
   for (std::size_t b = 0; b < beams_.size(); ++b) {
     const double range = scan.range_m[b];
-    const bool hit = range > 0 && range < max_range_m_;
+    const bool hit = range > 0 && kinds::IsEcho(range, max_range_m_);
     if (hit && count++ == 0) view.first_beam = b;
     if (hit) view.last_beam = b;
     view.hits.push_back(hit ? Point{beams_[b].x_m + range * std::cos(beams_[b].heading_rad),

@@ -24,6 +24,7 @@ struct LaserView {
   // It looks from the first beam with a hit to the last and so far: a fan may be masked at its sides.
   std::size_t first_beam = 0, last_beam = 0;
   double max_range_m = 0;
+  double one_wall_ratio = 0;  // of a range: neighbouring hits no further apart are of one wall
 };
 
 // A laser's beams, which begin at about one point.
@@ -34,7 +35,7 @@ class LaserFan {
 
  private:
   std::vector<Pose> beams_;
-  double max_range_m_;
+  double max_range_m_, one_wall_ratio_ = 0;
   std::vector<std::int16_t> beam_at_;
 };
 

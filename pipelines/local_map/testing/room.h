@@ -81,16 +81,22 @@ inline std::vector<Pose> LaserBeams() {
   return beams;
 }
 
-// What it sees up to 10 m, off by 1 cm; NaN beyond and of one ray in fifty.
-inline std::vector<double> LaserScan(const std::vector<TestWall>& walls, const Pose& robot, Rng& rng) {
+// What rays see up to `reach_m`, off by 1 cm; NaN beyond and of one ray in fifty. `exact`: off by nothing,
+// and all answer.
+inline std::vector<double> RayScan(const std::vector<TestWall>& walls, const std::vector<Pose>& beams,
+                                   double reach_m, const Pose& robot, Rng& rng, bool exact = false) {
   constexpr double kRay_rad = 1e-3;
   std::vector<double> ranges;
-  for (const Pose& beam : LaserBeams()) {
-    const double range = InConeM(walls, Compose(robot, beam), kRay_rad) + 0.01 * rng.Normal();
-    const bool seen = rng.Uniform() >= 0.02 && range <= 10;
+  for (const Pose& beam : beams) {
+    const double range = InConeM(walls, Compose(robot, beam), kRay_rad) + (exact ? 0 : 0.01) * rng.Normal();
+    const bool seen = (rng.Uniform() >= 0.02 || exact) && range <= reach_m;
     ranges.push_back(seen ? range : std::numeric_limits<double>::quiet_NaN());
   }
   return ranges;
+}
+
+inline std::vector<double> LaserScan(const std::vector<TestWall>& walls, const Pose& robot, Rng& rng) {
+  return RayScan(walls, LaserBeams(), 10, robot, rng);
 }
 
 // A rectangle, turned about `centre`, whose heading is the rectangle's.
