@@ -69,7 +69,7 @@ std::vector<std::string> ConstantReadingsOf(const Blob& log) {
       if (!HasReadings(sensor)) continue;
       const auto found = FindConstantReading(sensor.range_m.array(), sensor.beam_heading_rad.size());
       const double reach_m = sensor.max_range_m[0];
-      if (!found || found->range_m >= reach_m) continue;
+      if (!found || !kinds::IsEcho(found->range_m, reach_m)) continue;
       texts.push_back(fmt::format(
           "robot '{0}', its {1}: {2} of its readings are exactly {3:.6g} m, below its reach, which is stated "
           "as {4:.6g} m, and hardly one is larger: is that what its driver writes where nothing came back? "

@@ -8,6 +8,7 @@
 
 #include "pipelines/common/beam_cells.h"
 #include "schema/kinds/grid_map.h"
+#include "schema/kinds/log.h"
 
 namespace cairn {
 namespace {
@@ -36,7 +37,7 @@ struct CheckedReading {
 // The cells up to where they may matter.
 CheckedReading ReadingOf(const TakenReading& taken, double opening_rad, const GridBox& box,
                          std::span<const double> probability, const ReadingModel& model) {
-  const bool echo = taken.range_m <= model.z_max_m;  // false for NaN
+  const bool echo = kinds::IsEcho(taken.range_m, model.z_max_m);
   const Pose& from = taken.from;
   CheckedReading reading;
   reading.z_m = echo ? taken.range_m : model.z_max_m;
@@ -58,7 +59,7 @@ void ForEachReading(const RangeScans& scans, const ReadingModel& model, const Vi
   for (std::size_t s = 0; s < scans.scans(); ++s) {
     if (scans.checked[s] == 0) continue;
     for (std::size_t at = s * beams; at < (s + 1) * beams; ++at)
-      if (model.no_echo || range[at] <= model.z_max_m) visit(at);
+      if (model.no_echo || kinds::IsEcho(range[at], model.z_max_m)) visit(at);
   }
 }
 

@@ -61,22 +61,44 @@ std::vector<std::uint8_t> ChosenRobots(const GridOptions& options, const std::ve
 void CheckRanges(const RangeScans& sensor) {
   const auto range = sensor.range_m.As<double>();
   const std::size_t beams = sensor.beams.size();
+  const double most_m = sensor.max_range_m * (1 + kinds::kReachRounding);
   for (std::size_t r = 0; r < range.size(); ++r) {
-    if (std::isnan(range[r]) || (range[r] >= 0 && range[r] <= sensor.max_range_m)) continue;
+    if (std::isnan(range[r]) || (range[r] >= 0 && range[r] <= most_m)) continue;
     const std::size_t s = r / beams;
     Refuse(sensor.name, sensor.row.empty() ? s : static_cast<std::size_t>(sensor.row[s]), sensor.time_s[s],
            "beam " + std::to_string(r % beams) + " measures " + std::to_string(range[r]) +
-               " m, which is negative or beyond max_range_m");
+               " m, which is negative or beyond max_range_m (NaN says that nothing came back)");
   }
+}
+
+// A driver may write the reach where nothing came back: such readings become NaN. Copied only where there are
+// some.
+void TakeOutReach(RangeScans* sensor) {
+  const auto range = sensor->range_m.As<double>();
+  const auto is_reach = [&](double range_m) {
+    return !std::isnan(range_m) && !kinds::IsEcho(range_m, sensor->max_range_m);
+  };
+  if (std::ranges::none_of(range, is_reach)) return;
+  std::vector<double> echoes(range.begin(), range.end());
+  std::ranges::replace_if(echoes, is_reach, std::numeric_limits<double>::quiet_NaN());
+  sensor->range_m = Array::Of<double>(sensor->range_m.shape(), echoes);
 }
 
 constexpr double kCheckedShare = 0.1;  // where none are held out
 
-// Scan `s` of `count`: whether it lies in the last part of its tenth of the log.
-std::uint8_t IsHeldOut(std::size_t s, std::size_t count, double share) {
+// Of `count` scans, which lie in the last part of their tenth of the log. A tenth may be too short to have
+// such a part: then of each n scans the last, for the n that comes nearest to the share.
+std::vector<std::uint8_t> LastOfEachTenth(std::size_t count, double share) {
   constexpr std::size_t kPeriods = 10;
-  const auto into = static_cast<double>(kPeriods * s % count), of = static_cast<double>(count);
-  return share > 0 && into >= (1 - share - 1e-9) * of ? 1 : 0;
+  std::vector<std::uint8_t> last(count);
+  if (share <= 0 || count < 2) return last;
+  const auto of = static_cast<double>(count);
+  for (std::size_t s = 0; s < count; ++s)
+    last[s] = static_cast<double>(kPeriods * s % count) >= (1 - share - 1e-9) * of ? 1 : 0;
+  if (std::ranges::find(last, 1) != last.end()) return last;
+  const auto some = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(share * of)));
+  for (std::size_t s = 0; s < count; ++s) last[s] = (s + 1) * some / count > s * some / count ? 1 : 0;
+  return last;
 }
 
 // Rows that lie together: shared where they begin as arrays do, else copied.
@@ -109,11 +131,8 @@ Array RowsOf(const Array& from, std::span<const std::int64_t> keep, std::size_t 
 
 // Which scans the map is made without, and which it is checked with.
 void HoldOut(const GridOptions& options, RangeScans* sensor) {
-  for (std::size_t s = 0; s < sensor->scans(); ++s)
-    sensor->held_out.push_back(IsHeldOut(s, sensor->scans(), options.heldout));
-  sensor->checked = sensor->held_out;
-  for (std::size_t s = 0; s < sensor->scans() && options.heldout == 0; ++s)
-    sensor->checked[s] = IsHeldOut(s, sensor->scans(), kCheckedShare);
+  sensor->held_out = LastOfEachTenth(sensor->scans(), options.heldout);
+  sensor->checked = options.heldout > 0 ? sensor->held_out : LastOfEachTenth(sensor->scans(), kCheckedShare);
 }
 
 // Fills in the poses; scans without any are dropped or refused. Returns how many were dropped.
@@ -151,7 +170,9 @@ RangeScans SensorOf(const kinds::Log::RangeSensor& of, const std::string& name) 
   sensor.time_s = of.time_s.vector();
   if (of.turret_rad) sensor.turret_rad = of.turret_rad.vector();
   sensor.range_m = of.range_m.array();
-  if (!sensor.range_m.is_form_alone()) CheckRanges(sensor);
+  if (sensor.range_m.is_form_alone()) return sensor;
+  CheckRanges(sensor);
+  TakeOutReach(&sensor);
   return sensor;
 }
 
@@ -368,6 +389,7 @@ RangeScans ScansOf(const Blob& sensor, const Blob& scans, const Blob& log, std::
   for (std::int64_t& row : rows) row -= first_row;
   result.range_m = RowsOf(range_m, rows, result.beams.size());
   CheckRanges(result);
+  TakeOutReach(&result);
   return result;
 }
 

@@ -24,7 +24,7 @@ struct RangeScans {
   std::vector<std::uint8_t> held_out;  // [S] 1: kept for evaluation, not for the map
   std::vector<std::uint8_t> checked;   // [S] 1: a map of the others is checked with it (checked_readings.h)
   std::vector<std::int64_t> row;       // [S] which of the log's scans
-  Array range_m;                       // [S,B] f64; NaN: nothing within reach, or no answer
+  Array range_m;                       // [S,B] f64, below the reach; NaN: nothing within it, or no answer
 
   std::size_t scans() const { return time_s.size(); }
   // Of what carries the beams.

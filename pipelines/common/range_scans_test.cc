@@ -154,6 +154,46 @@ TEST(RangeScans, TheLastPartOfEachTenthIsHeldOut) {
                                    118, 119, 138, 139, 158, 159, 178, 179, 198, 199}));
 }
 
+// However few there are: of 40 scans each tenth has four, none of which is in its last tenth.
+TEST(RangeScans, SomeAreHeldOutOfAnyTwo) {
+  for (const double share : {0.01, 0.05, 0.1, 0.3}) {
+    for (std::size_t count = 2; count <= 130; ++count) {
+      Blob log = Log();
+      std::vector<double> time, range(2 * count, 1);
+      for (std::size_t s = 0; s < count; ++s) time.push_back(0.05 * static_cast<double>(s));
+      log.PutVector("robot/0/sonar/time_s", time);
+      log.Put("robot/0/sonar/range_m", Array::Of<double>({static_cast<std::int64_t>(count), 2}, range));
+      GridOptions options;
+      options.heldout = share;
+      const RangeScans some = ReadRangeScans(log, nullptr, options).sensors[0];
+      const auto out = std::ranges::count(some.held_out, 1);
+      ASSERT_GE(out, 1) << count << " scans, " << share;
+      ASSERT_LT(out, static_cast<std::int64_t>(count)) << share;
+      options.heldout = 0;
+      ASSERT_GE(std::ranges::count(ReadRangeScans(log, nullptr, options).sensors[0].checked, 1), 1) << count;
+    }
+  }
+}
+
+// A driver may write the sensor's reach where nothing came back, rounded to f32 or not.
+TEST(RangeScans, AReadingAtTheReachMetNothing) {
+  for (const double at_reach : {6.0, 5.999999, 6.000001}) {
+    Blob log = Log();
+    log.Put("robot/0/sonar/range_m",
+            Array::Of<double>({3, 2}, std::vector<double>{1, at_reach, 5.99, 3, at_reach, kNone}));
+    EXPECT_EQ(Refusal(log), "accepted");
+    const RangeScans whole = ReadRangeScans(log, nullptr, {}).sensors[0];
+    const RangeScans task = ScansOf(SensorBlob(whole), ScansBlob(whole), log);
+    for (const RangeScans& sonar : {whole, task}) {
+      const auto range = sonar.range_m.As<double>();
+      EXPECT_TRUE(std::isnan(range[1]) && std::isnan(range[4]) && std::isnan(range[5])) << at_reach;
+      EXPECT_EQ(range[2], 5.99);
+    }
+    const Extent ends = EndsOf(whole);
+    EXPECT_LT(ends.y1_m(), 3.1) << "none met anything 6 m to the left";
+  }
+}
+
 TEST(RangeScans, TasksTakeRowsOfThem) {
   const Blob log = Log();
   const RangeScans whole = ReadRangeScans(log, nullptr, {}).sensors[0];

@@ -8,6 +8,7 @@
 #include "pipelines/common/beam_cells.h"
 #include "pipelines/common/range_scans.h"
 #include "pipelines/forward_map/forward_model.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::forward_map {
 
@@ -36,7 +37,7 @@ void ForEachReading(const RangeScans& scans, std::size_t first, std::size_t end,
     if (scans.held_out[s] != 0) continue;
     for (std::size_t b = 0; b < beams; ++b) {
       const double range_m = range[s * beams + b];
-      const bool echo = range_m <= model.z_max_m;  // false for NaN
+      const bool echo = kinds::IsEcho(range_m, model.z_max_m);
       if (!echo && !no_echo) continue;
       const Pose from = scans.BeamPose(s, b);
       visit(BeamOfScan{s, b, from, echo ? range_m : model.z_max_m,

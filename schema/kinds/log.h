@@ -5,6 +5,13 @@
 
 namespace cairn::kinds {
 
+// Whether a range sensor met something: NaN says that it did not, and so does the largest range that it
+// gives, which f32 and f64 may round apart.
+inline constexpr double kReachRounding = 1e-6;
+inline bool IsEcho(double range_m, double max_range_m) {
+  return range_m < max_range_m * (1 - kReachRounding);
+}
+
 struct Log {
   struct Odometry {
     Column<double> time_s, turn_rad, forward_m;

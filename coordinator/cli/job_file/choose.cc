@@ -59,7 +59,7 @@ void Cover(const Pose& pose, Holdings* all) {
 double MiddleRange(const kinds::Log::RangeSensor& sensor) {
   std::vector<double> ranges;
   for (const double range : sensor.range_m)
-    if (std::isfinite(range)) ranges.push_back(range);
+    if (kinds::IsEcho(range, sensor.max_range_m.Scalar())) ranges.push_back(range);
   if (ranges.empty()) return 0;
   const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
   std::ranges::nth_element(ranges, middle);
@@ -69,7 +69,7 @@ double MiddleRange(const kinds::Log::RangeSensor& sensor) {
 void AddNeighboured(const kinds::Log::RangeSensor& sensor, Neighboured* all) {
   constexpr double kBeside_rad = 0.06, kFar = 0.8, kAlike = 0.1;
   const std::size_t beams = sensor.beam_heading_rad.size();
-  const double far_m = kFar * sensor.max_range_m.Scalar();
+  const double reach_m = sensor.max_range_m.Scalar(), far_m = kFar * reach_m;
   const auto beside = [&](std::size_t a, std::size_t b) {
     return std::abs(WrapAngle(sensor.beam_heading_rad[a] - sensor.beam_heading_rad[b])) < kBeside_rad;
   };
@@ -80,7 +80,7 @@ void AddNeighboured(const kinds::Log::RangeSensor& sensor, Neighboured* all) {
       // false for NaN, which is no return
       const bool alike =
           std::abs(before_m - after_m) < kAlike * before_m && before_m < far_m && after_m < far_m;
-      if (alike) ++(std::isnan(sensor.range_m[at]) ? all->lost : all->returned);
+      if (alike) ++(kinds::IsEcho(sensor.range_m[at], reach_m) ? all->returned : all->lost);
     }
   }
 }

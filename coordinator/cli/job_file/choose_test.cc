@@ -157,8 +157,8 @@ TEST(ChooseJob, ManyReadingsAreMappedCellByCell) {
   EXPECT_EQ(Stages(ChooseJob(LogOf({.scans = 1'000'001}))), "path local_map; grid evidence_map of path");
 }
 
-// Scans of five beams at 3 m, of which those without a return are NaN: of every so many scans the beams from
-// `first` to `last`.
+// Scans of five beams at 3 m, of which those without a return are NaN, or by turns the reach, 10 m: of every
+// so many scans the beams from `first` to `last`.
 ChosenJob WithLost(int every, std::size_t first, std::size_t last, double beside_rad = 0.02, int scans = 1000,
                    const std::string& sensor_name = "laser") {
   constexpr std::size_t kBeams = 5;
@@ -166,7 +166,8 @@ ChosenJob WithLost(int every, std::size_t first, std::size_t last, double beside
   std::vector<double> ranges(kBeams * static_cast<std::size_t>(scans), 3.0), headings(kBeams), zero(kBeams);
   for (int at = 0; at < scans; at += every)
     for (std::size_t b = first; b <= last; ++b)
-      ranges[kBeams * static_cast<std::size_t>(at) + b] = std::numeric_limits<double>::quiet_NaN();
+      ranges[kBeams * static_cast<std::size_t>(at) + b] =
+          at % 3 == 0 ? 10 : std::numeric_limits<double>::quiet_NaN();
   for (std::size_t b = 0; b < kBeams; ++b) headings[b] = beside_rad * static_cast<double>(b);
   Log::RangeSensor& sensor = log.robot[0].sensors[0];
   sensor.range_m = Column<double>({scans, std::int64_t{kBeams}}, ranges);

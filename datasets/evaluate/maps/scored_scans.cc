@@ -1,6 +1,7 @@
 #include "datasets/evaluate/maps/scored_scans.h"
 
 #include <cmath>
+#include <limits>
 
 #include "schema/kinds/grid_map.h"
 #include "schema/kinds/log.h"
@@ -19,7 +20,9 @@ void TakeRanges(const kinds::Log::RangeSensor& log, ScoredSensor* sensor) {
       throw InputError("the log has no scan of '" + sensor->name + "' at " + std::to_string(time_s) +
                        " s: was the map made from this log?");
     const auto row = range.subspan(next * beams, beams);
-    sensor->range_m.insert(sensor->range_m.end(), row.begin(), row.end());
+    for (const double range_m : row)
+      sensor->range_m.push_back(
+          kinds::IsEcho(range_m, sensor->max_range_m) ? range_m : std::numeric_limits<double>::quiet_NaN());
     if (log.turret_rad) sensor->turret_rad.push_back(log.turret_rad[next]);
     ++next;
   }

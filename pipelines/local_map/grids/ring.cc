@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "schema/error.h"
+#include "schema/kinds/log.h"
 
 namespace cairn::local_map {
 namespace {
@@ -38,7 +39,8 @@ SensorRing::SensorRing(const std::vector<Pose>& beams, double opening_rad, doubl
 // NaN: no hit.
 double SensorRing::RangeM(const RingScan& scan, std::size_t beam) const {
   const double range_m = scan.range_m[beam];
-  return range_m > 0 && range_m <= max_range_m_ ? range_m : std::numeric_limits<double>::quiet_NaN();
+  return range_m > 0 && kinds::IsEcho(range_m, max_range_m_) ? range_m
+                                                             : std::numeric_limits<double>::quiet_NaN();
 }
 
 std::size_t SensorRing::Nearest(const RingScan& scan, std::size_t sector) const {

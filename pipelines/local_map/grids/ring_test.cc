@@ -41,6 +41,7 @@ TEST(SensorRing, MissingSensorsGiveNoHits) {
   const SensorRing ring(RingBeams(4, 0), 0, 5);
   const auto hits = HitsOf(ring, {}, 0, {kNone, 2, 5.1, 0});
   ASSERT_EQ(hits.size(), 1U);
+  EXPECT_EQ(HitsOf(ring, {}, 0, {5, 2, 4.999999, 4.99}).size(), 2U) << "at its reach it met nothing";
   ExpectAt(hits[0], 0, 2);
   EXPECT_TRUE(HitsOf(ring, {}, 0, {}).empty());
 }

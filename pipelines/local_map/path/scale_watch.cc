@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "schema/kinds/log.h"
 #include "schema/square.h"
 
 namespace cairn::local_map {
@@ -49,7 +50,7 @@ std::optional<double> ScaleWatch::DistanceTo(double direction_rad, const Pose& p
       const double range = scans[r].range_m[b];
       const Pose on_robot = Compose({0, 0, pose.heading_rad + scans[r].turret_rad}, ring.beams[b]);
       const double off = std::abs(WrapAngle(on_robot.heading_rad - direction_rad));
-      if (off > most || (best && off >= best->off_rad) || !(range < ring.max_range_m)) continue;
+      if (off > most || (best && off >= best->off_rad) || !kinds::IsEcho(range, ring.max_range_m)) continue;
       const double c = std::cos(direction_rad), s = std::sin(direction_rad);
       const double begins = c * on_robot.x_m + s * on_robot.y_m;
       best = WallReading{off, begins + (ring.opening_rad > 0 ? range : range * std::cos(off))};
