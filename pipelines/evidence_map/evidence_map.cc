@@ -1,5 +1,7 @@
 #include "pipelines/evidence_map/evidence_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -212,6 +214,21 @@ std::string NoteOf(const Standing& standing, const GridBox* grid) {
   return note;
 }
 
+// [Thr01] eq. 1 adds log p(m|z) / (1 - p(m|z)) - log p(m) / (1 - p(m)): what tells of an obstacle must be
+// more than is expected anyway, and what tells of none less.
+void CheckPrior(const Options& options, const std::vector<RangeScans>& sensors) {
+  for (const RangeScans& sensor : sensors) {
+    const bool is_sonar = sensor.opening_rad > 0;
+    const InverseModel& model = is_sonar ? options.sonar : options.laser;
+    if (model.p_free < options.prior && options.prior < model.p_occupied) continue;
+    throw InputError(
+        fmt::format("option 'prior': {0:g} does not lie between {1}_p_free = {2:g} and {1}_p_occupied = "
+                    "{3:g}: readings of "
+                    "obstacles would speak against them, or free ones for them",
+                    options.prior, is_sonar ? "sonar" : "laser", model.p_free, model.p_occupied));
+  }
+}
+
 // Before the ranges are known: of a sensor whose readings are a third of its reach long.
 void ExpectCounts(const Options& options, const PosedScans& scans, proto::Step* plan) {
   double cost = 0;
@@ -341,6 +358,7 @@ Step EvidenceMap::Start(const Inputs& inputs) const {
   const BlobPtr poses_input = inputs.Has("poses") ? inputs.Get("poses") : nullptr;
   const Hash source = SourceOf(inputs, *head);
   const PosedScans scans = ReadScanHeads(*head, source, poses_input.get(), options_.grid);
+  CheckPrior(options_, scans.sensors);
   const Extent frame = FrameOf(scans, options_.grid);
   GridOf(frame, {}, options_.grid, kBytesPerCell);  // the grid is no smaller: too large a one shows at once
   Step step;

@@ -173,6 +173,29 @@ TEST(EvidenceMap, ReadingsWithoutAnAnswerMayTellOfAnyNumberOfCells) {
   EXPECT_TRUE(RunInProcess(EvidenceMap(options, 7), {{"log", log}})->Has("map/grid/probability"));
 }
 
+// What tells of an obstacle must be more than is expected anyway.
+TEST(EvidenceMap, RefusesAPriorThatReadingsCannotRaiseAndLower) {
+  const auto refusal = [](double opening_rad, double prior) -> std::string {
+    Options options;
+    options.prior = prior;
+    try {
+      Map({.opening_rad = opening_rad}, options);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  constexpr double kCone_rad = 0.26;
+  for (const double prior : {0.65, 0.6, 0.45, 0.4})
+    EXPECT_NE(
+        refusal(kCone_rad, prior).find("does not lie between sonar_p_free = 0.45 and sonar_p_occupied = 0.6"),
+        std::string::npos)
+        << prior << refusal(kCone_rad, prior);
+  EXPECT_EQ(refusal(kCone_rad, 0.55), "");
+  EXPECT_EQ(refusal(0, 0.65), "") << "within those of a laser";
+  EXPECT_NE(refusal(0, 0.7).find("laser_p_occupied"), std::string::npos);
+}
+
 TEST(EvidenceMap, RefusesALogWithoutRangeScans) {
   Blob log;
   log.Put("robots", Array::Texts({"ann"}));
