@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "datasets/common/made_from.h"
 #include "datasets/evaluate/maps/doors.h"
 #include "datasets/evaluate/track.h"
 #include "schema/kinds/provenance.h"
+#include "schema/square.h"
 
 namespace cairn::datasets {
 namespace {
@@ -20,6 +22,7 @@ constexpr double kSamePosesM = 1e-4;  // poses this near to the true ones are in
 struct TrueScans {
   std::vector<ScoredSensor> scans;
   std::vector<PointPair> pairs;
+  std::vector<double> turned_rad;  // by how much the map's heading differs, in frames as they are
 };
 
 TrueScans AtTruePoses(const std::vector<ScoredSensor>& scans, const Blob& log) {
@@ -34,10 +37,17 @@ TrueScans AtTruePoses(const std::vector<ScoredSensor>& scans, const Blob& log) {
       kept.push_back(i);
       poses.push_back(*at);
       of_truth.pairs.push_back({{at->x_m, at->y_m}, {sensor.poses[i].x_m, sensor.poses[i].y_m}});
+      of_truth.turned_rad.push_back(sensor.poses[i].heading_rad - at->heading_rad);
     }
     if (!kept.empty()) of_truth.scans.push_back(sensor.At(kept, poses));
   }
   return of_truth;
+}
+
+double HeadingRmseDeg(const std::vector<double>& turned_rad, const Similarity& to_map) {
+  double squares = 0;
+  for (const double turned : turned_rad) squares += Square(WrapAngle(turned - to_map.angle_rad));
+  return std::sqrt(squares / static_cast<double>(turned_rad.size())) * 180 / std::numbers::pi;
 }
 
 std::vector<ScoredSensor> Moved(std::vector<ScoredSensor> scans, const Similarity& by) {
@@ -69,7 +79,7 @@ struct Ground {
   std::vector<ScoredSensor> scans;
   bool by_own_path = false;
   Similarity to_map;
-  std::optional<double> pose_rmse_m;
+  std::optional<double> pose_rmse_m, pose_heading_rmse_deg;
   std::optional<MapTruth> walls;
   std::vector<DoorTruth> doors;
 };
@@ -82,7 +92,10 @@ Ground GroundOf(const Blob& map, const Blob& log) {
   const std::vector<PointPair>& pairs = of_truth.pairs;
   ground.by_own_path = pairs.empty();
   if (!pairs.empty() && RmseM(pairs, ground.to_map) > kSamePosesM) ground.to_map = FitRigid(pairs);
-  if (!pairs.empty()) ground.pose_rmse_m = RmseM(pairs, ground.to_map);
+  if (!pairs.empty()) {
+    ground.pose_rmse_m = RmseM(pairs, ground.to_map);
+    ground.pose_heading_rmse_deg = HeadingRmseDeg(of_truth.turned_rad, ground.to_map);
+  }
   if (log.Has("truth/walls/x_m")) {
     const std::vector<Wall> walls = ReadSegments(log, "truth/walls/", ground.to_map);
     // What was free and seen in the world does not hang on where the map takes its scans to be from: by those
@@ -199,6 +212,7 @@ GridEvaluation EvaluateGrid(const Blob& map, const Blob& truth_log) {
   evaluation.by_own_path = ground.by_own_path;
   evaluation.to_map = ground.to_map;
   evaluation.pose_rmse_m = ground.pose_rmse_m;
+  evaluation.pose_heading_rmse_deg = ground.pose_heading_rmse_deg;
   return evaluation;
 }
 
@@ -231,10 +245,14 @@ Scores MakeScores(const GridEvaluation& evaluation) {
   else
     scores.AddForPrograms("most_likely", {});
   scores.AddForPrograms("cell_m", evaluation.cell_m);
-  if (evaluation.pose_rmse_m)
-    scores.Add("pose_rmse_m", *evaluation.pose_rmse_m);
-  else
-    scores.AddForPrograms("pose_rmse_m", {});
+  const auto add = [&](const char* name, const std::optional<double>& value) {
+    if (value)
+      scores.Add(name, *value);
+    else
+      scores.AddForPrograms(name, {});
+  };
+  add("pose_rmse_m", evaluation.pose_rmse_m);
+  add("pose_heading_rmse_deg", evaluation.pose_heading_rmse_deg);
   scores.Add("seconds", OrNone(evaluation.seconds));
   return scores;
 }

@@ -33,7 +33,8 @@ struct GridEvaluation {
   // Which cells are free and which are due is by the poses that the map was made with: the truth has none.
   bool by_own_path = false;
   Similarity to_map;  // from the truth's frame; the identity where the poses are the true ones
-  std::optional<double> pose_rmse_m;  // of the map's scans, after that; none: no true poses
+  // Of the poses of the map's scans, after that; none: no true poses.
+  std::optional<double> pose_rmse_m, pose_heading_rmse_deg;
   std::optional<double> seconds;
 };
 
@@ -53,7 +54,7 @@ struct ThresholdScore {
 std::vector<ThresholdScore> ScoreByThreshold(const Blob& map, const Blob& truth_log,
                                              const std::vector<double>& log_odds);
 
-// Against another map of the same place, in the same frame.
+// Against another map of the same place, in the same frame. Throws InputError where that tells of no cell.
 GridEvaluation CompareGrids(const Blob& map, const Blob& reference);
 
 Scores MakeScores(const GridEvaluation& evaluation);

@@ -51,7 +51,21 @@ TEST(EvaluateGrid, APerfectMapMissesNothingAndKnowsItsDoor) {
     EXPECT_EQ(evaluation.map.doors[0].truly_open, !closed);
     EXPECT_EQ(evaluation.map.doors[0].open, !closed);
     EXPECT_LT(*evaluation.pose_rmse_m, 1e-9);
+    EXPECT_LT(*evaluation.pose_heading_rmse_deg, 1e-6);
   }
+}
+
+TEST(EvaluateGrid, HeadingsThatAreOffAreSaidBesidePositionsThatAreRight) {
+  const Blob log = Hallway(false);
+  Blob map = PerfectMap(log);
+  std::vector<double> heading_rad;
+  for (const double heading : map.Get<double>("robot/0/sonar/heading_rad"))
+    heading_rad.push_back(heading + 0.3);
+  map.PutVector("robot/0/sonar/heading_rad", heading_rad);
+  const GridEvaluation evaluation = EvaluateGrid(map, log);
+  EXPECT_LT(*evaluation.pose_rmse_m, 1e-9);
+  EXPECT_NEAR(*evaluation.pose_heading_rmse_deg, 0.3 * 180 / M_PI, 1e-6);
+  ExpectContains(MakeScores(evaluation).ToText(), "pose_heading_rmse_deg");
 }
 
 // The map of the other hall says the contrary.

@@ -1,5 +1,7 @@
 #include "datasets/evaluate/maps/truth.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -122,6 +124,19 @@ void FloodFrom(const std::vector<std::pair<std::int64_t, std::int64_t>>& starts,
   }
 }
 
+std::string SpanOf(const GridBox& box) {
+  return fmt::format("x from {:.4g} to {:.4g} m, y from {:.4g} to {:.4g} m", box.origin_x_m,
+                     box.origin_x_m + static_cast<double>(box.columns) * box.cell_m, box.origin_y_m,
+                     box.origin_y_m + static_cast<double>(box.rows) * box.cell_m);
+}
+
+void RequireCommon(const GridBox& map, const GridBox& reference, const MapTruth& truth) {
+  const auto told = [](const std::vector<std::uint8_t>& cells) { return std::ranges::count(cells, 1) > 0; };
+  if (told(truth.wall) || told(truth.free)) return;
+  throw InputError("the map that this one is held against tells of none of its cells: it covers " +
+                   SpanOf(reference) + ", this one " + SpanOf(map) + ". Are both in one frame?");
+}
+
 // Whether `is` holds of the cell or of one of the eight beside it.
 template <class Is>
 bool NearWall(std::int64_t column, std::int64_t row, const Is& is) {
@@ -167,6 +182,19 @@ MapTruth TruthOfMap(const GridBox& map, const Occupancy& reference) {
       truth.free[map.Index(column, row)] = reference.IsFree(x, y) ? 1 : 0;
     }
   }
+  const bool is_finer = reference.box.cell_m < map.cell_m * (1 - 1e-9);
+  for (std::int64_t y = 0; is_finer && y < reference.box.rows; ++y) {
+    for (std::int64_t x = 0; x < reference.box.columns; ++x) {
+      const Point at = reference.box.Centre(x, y);
+      const std::int64_t column = map.ColumnOf(at.x_m), row = map.RowOf(at.y_m);
+      if (!map.Holds(column, row)) continue;
+      truth.wall[map.Index(column, row)] |= reference.IsOccupied(x, y) ? 1 : 0;
+      truth.free[map.Index(column, row)] |= reference.IsFree(x, y) ? 1 : 0;
+    }
+  }
+  for (std::size_t cell = 0; cell < truth.wall.size(); ++cell)
+    if (truth.wall[cell] != 0) truth.free[cell] = 0;
+  RequireCommon(map, reference.box, truth);
   truth.due = truth.wall;
   return truth;
 }

@@ -27,7 +27,10 @@ struct MapTruth {
 MapTruth TruthOfWalls(const GridBox& map, const std::vector<Wall>& walls,
                       const std::vector<ScoredSensor>& scans);
 
-// Of another grid map: due are all cells that it has as occupied, free those that it has as free.
+// Of another grid map: due are all cells that it has as occupied, free those that it has as free. Of a cell
+// tells what that map says at its centre, and, where its cells are smaller, all of them whose centre lies
+// within: one that is occupied makes it occupied.
+// Throws InputError where it tells of none: the maps lie apart.
 MapTruth TruthOfMap(const GridBox& map, const Occupancy& reference);
 
 // truth/walls/ (or truth/doors/) of a log, in the map's frame.

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "datasets/evaluate/testing/grid.h"
+#include "datasets/testing.h"
 
 namespace cairn::datasets {
 namespace {
@@ -131,6 +132,29 @@ TEST(ScoreCells, AgainstAnotherMapWithOtherCells) {
   EXPECT_EQ(score.missed_free, 2);
   EXPECT_EQ(score.free, 12);
   EXPECT_EQ(score.false_occupied, 1);
+}
+
+// A wall that is one fine cell wide lies in some coarse cell, wherever its centre is.
+TEST(ScoreCells, AgainstAMapOfSmallerCells) {
+  const Occupancy map = ReadOccupancy(DrawnMap({"....", "....", ".##.", "...."}));
+  const Occupancy reference = ReadOccupancy(DrawnMap(
+      {"............", "............", "............", "............", "............", "............",
+       "....#####...", "............", "............", "............", "............", "............"},
+      1.0 / 3));
+  const MapTruth truth = TruthOfMap(map.box, reference);
+  EXPECT_EQ(std::ranges::count(truth.wall, 1), 2);
+  EXPECT_EQ(std::ranges::count(truth.free, 1), 14);
+  const CellScore score = ScoreCells(map, truth);
+  EXPECT_EQ(score.due, 2);
+  EXPECT_EQ(score.missed_occupied, 0);
+  EXPECT_EQ(score.false_occupied, 0);
+}
+
+TEST(ScoreCells, AgainstAMapOfAnotherPlaceIsRefused) {
+  const Occupancy map = ReadOccupancy(DrawnMap({"....", "....", ".##.", "...."}));
+  const Occupancy elsewhere = ReadOccupancy(DrawnMap({"..", "##"}, 1, 40, 0));
+  ExpectContains(InputErrorOf([&] { TruthOfMap(map.box, elsewhere); }),
+                 "it covers x from 40 to 42 m, y from 0 to 2 m, this one x from 0 to 4 m, y from 0 to 4 m");
 }
 
 TEST(Occupancy, WhereTheDataSayNothingNothingIsKnown) {
