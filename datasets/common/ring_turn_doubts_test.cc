@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/inspect/inspect.h"
 #include "datasets/testing.h"
 #include "schema/rng.h"
+#include "schema/store/blob_file.h"
 
 namespace cairn::datasets {
 namespace {
@@ -69,6 +71,9 @@ TEST(RingTurnDoubts, TheWarningNamesRobotSensorAndAngle) {
   ExpectContains(doubts[0], "robot 'anna', its sonar");
   ExpectContains(doubts[0],
                  "turned by about 90 degrees from how the log has it (robot/0/sonar/beam_heading_rad)");
+  const TestFolder folder;
+  ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "log", RingLog(M_PI / 2)).ok());
+  ExpectContains(InspectText(Inspect(folder / "a.h5").value()), doubts[0]);
 }
 
 TEST(RingTurnDoubts, WhatIsShortOrIncompleteTellsNothing) {

@@ -4,8 +4,10 @@
 
 #include <cmath>
 
+#include "datasets/inspect/inspect.h"
 #include "datasets/testing.h"
 #include "schema/rng.h"
+#include "schema/store/blob_file.h"
 
 namespace cairn::datasets {
 namespace {
@@ -69,6 +71,9 @@ TEST(StuckBeams, TheWarningNamesRobotSensorAndBeam) {
   ExpectContains(warnings[0], "robot 'anna', its sonar: 1 of 8 beams always measure the same");
   ExpectContains(warnings[0], "3 (which points 135 degrees from ahead; 1.234 m)");
   EXPECT_TRUE(StuckBeamsOf(log.Without("robot/0/sonar/range_m")).empty());
+  const TestFolder folder;
+  ASSERT_TRUE(WriteBlobFile(folder / "a.h5", "log", log).ok());
+  ExpectContains(InspectText(Inspect(folder / "a.h5").value()), warnings[0]);
 }
 
 }  // namespace
