@@ -32,7 +32,10 @@ Blob LogOf(const Of& of) {
       robot.odometry = {std::vector{0.0, 1.0}, std::vector{0.0, 0.0},
                         std::vector{of.forward_m, of.forward_m}};
     std::vector<double> times;
-    for (int i = 0; i < of.observations; ++i) times.push_back(0.1 * (i / of.at_once));
+    for (int i = 0; i < of.observations; ++i) {
+      const int at = i / of.at_once;
+      times.push_back(0.1 * at);
+    }
     robot.observations.time_s = times;
     robot.observations.landmark = std::vector<std::int32_t>(times.size(), -1);
     robot.observations.range_m = std::vector<double>(times.size(), 1.0);
