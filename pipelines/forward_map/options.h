@@ -40,7 +40,7 @@ void VisitOptions(V& visit, Options& o) {
              "estimate, to begin with"},
       o.sigma_m);
   visit(Option{"max_range_m", "m", 0, 1e4,
-               "z_max: readings beyond count as without echo; 0: what the log says of the sensor"},
+               "z_max: readings at it and beyond count as without echo; 0: what the log says of the sensor"},
         o.max_range_m);
   visit(
       Option{"no_echo", "", 0, 0, "a reading without echo tells of the absence of obstacles; or of nothing"},
