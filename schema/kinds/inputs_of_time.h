@@ -10,9 +10,10 @@
 
 namespace cairn {
 
-// A sentence for people for each input that only grows along every run of `samples`, or only falls, and is
-// another for more than half of the samples of each. None where a run has fewer than twenty samples: a sensor
-// may do that by chance. Of what is missing or of another type it says nothing.
+// A sentence for people for each input that grows all along every run of `samples`, or falls, whatever noise
+// and rounding do to it: by Spearman's rank correlation with the sample's number, 0.95 at least. None where a
+// run has fewer than twenty samples: a sensor may do that by chance. Of what is missing or of another type it
+// says nothing.
 std::vector<std::string> InputsOfTimeOf(const Blob& samples);
 
 }  // namespace cairn
