@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "datasets/verdicts/networks_verdict.h"
 #include "schema/kinds/learning.h"
 
 namespace cairn::datasets {
@@ -87,6 +88,47 @@ double SpreadOf(std::span<const double> x_m, std::span<const double> y_m) {
   return std::sqrt(squares / n);
 }
 
+// Of the robots at their last step.
+struct Ends {
+  std::size_t robots = 0, sure = 0, there = 0;  // in all; sure of their place; of these, where it is
+  bool are_checked = true;
+};
+
+Ends EndsOf(const kinds::Localization::Steps& step, double sure_m) {
+  Ends ends;
+  ends.are_checked = static_cast<bool>(step.off_label_m);
+  for (std::size_t k = 0; k < step.traverse.size(); ++k) {
+    if (k + 1 < step.traverse.size() && step.traverse[k + 1] == step.traverse[k]) continue;
+    ++ends.robots;
+    if (step.spread_m[k] > sure_m) continue;
+    ++ends.sure;
+    ends.there += ends.are_checked && step.off_label_m[k] <= sure_m ? 1 : 0;
+  }
+  return ends;
+}
+
+// No result is worth more than what it was made with.
+void AddNetworks(const kinds::Localization& localization, Verdict* verdict) {
+  for (const kinds::NetworksWorth& worth : localization.extractor) {
+    const Verdict networks = NetworksVerdict(worth);
+    if (networks.trust == Confidence::kLow)
+      verdict->Add({Confidence::kLow, "what it senses is by networks of low trust: " + networks.why});
+  }
+}
+
+// What robots believe to be their place, beside where they were.
+void AddElsewhere(const Ends& ends, Verdict* verdict) {
+  verdict->AddCount("right_robots", ends.there);
+  if (ends.there == ends.sure) return;
+  const bool most_are_there = 3 * ends.there >= 2 * ends.sure;
+  verdict->Add({most_are_there ? Confidence::kFair : Confidence::kLow,
+                fmt::format("only {} of those {} are so near to where the samples say that they were taken{}",
+                            ends.there, ends.sure,
+                            most_are_there ? ""
+                                           : ": do other places look the same, do the features drift, or are "
+                                             "the runs not in one frame?")});
+}
+
 }  // namespace
 
 Verdict LocalizationVerdict(const Blob& result) {
@@ -100,34 +142,33 @@ Verdict LocalizationVerdict(const Blob& result) {
   const std::vector<Place> places =
       PlacesOf(localization.position_x_m.vector(), localization.position_y_m.vector());
   const double sure_m = kSureShare * SpreadOf(places[0].x_m, places[0].y_m);
-  std::size_t robots = 0, sure = 0;
-  for (std::size_t k = 0; k < step.traverse.size(); ++k) {
-    if (k + 1 < step.traverse.size() && step.traverse[k + 1] == step.traverse[k]) continue;
-    ++robots;
-    sure += step.spread_m[k] <= sure_m ? 1 : 0;
-  }
+  const Ends ends = EndsOf(step, sure_m);
   const double expected = Sum(step.expected_lead_nats);
   const double foretold = expected > 0.0 ? Sum(step.lead_nats) / expected : 0.0;
-  verdict.AddCount("robots", robots);
-  verdict.AddCount("sure_robots", sure);
+  verdict.AddCount("robots", ends.robots);
+  verdict.AddCount("sure_robots", ends.sure);
   verdict.numbers.emplace_back("sure_m", sure_m);
   verdict.numbers.emplace_back("foretold_ratio", foretold);
-  verdict.trust = 2 * sure >= robots && foretold >= 1.0 ? Confidence::kFair : Confidence::kLow;
-  verdict.why =
-      fmt::format("{} of {} robots end sure of their place to within {:.1f} m", sure, robots, sure_m);
+  verdict.trust = 2 * ends.sure >= ends.robots && foretold >= 1.0 ? Confidence::kFair : Confidence::kLow;
+  verdict.why = fmt::format("{} of {} robots end sure of their place to within {:.1f} m", ends.sure,
+                            ends.robots, sure_m);
   if (foretold < 1.0)
     verdict.why +=
         ", but what they sensed they foretold less well than where they believe to be says: is the map "
         "that of another place, or from before things changed?";
   else if (verdict.trust == Confidence::kFair)
-    verdict.why +=
-        ", and they foretold what they sensed; one at a place that looks the same is not found out";
+    verdict.why += ends.are_checked
+                       ? ", and they foretold what they sensed"
+                       : ", and they foretold what they sensed; one at a place that looks the same is not "
+                         "found out";
+  if (ends.are_checked) AddElsewhere(ends, &verdict);
   if (places.size() > 1)
     verdict.Add(
         {Confidence::kLow,
          fmt::format("the map's positions lie in {} places with nothing between them, {} in the largest "
                      "and {} in the next: are all runs in one frame?",
                      places.size(), places[0].x_m.size(), places[1].x_m.size())});
+  AddNetworks(localization, &verdict);
   return verdict;
 }
 

@@ -8,9 +8,10 @@ namespace cairn::datasets {
 
 // Of a localization, by what its robots say of themselves: how many end sure of their place (a spread of at
 // most a quarter of that of positions anywhere), and whether the features were foretold as well as the
-// beliefs say they should be. Low: fewer than half are sure, or they were foretold less well, as on a map of
-// another place. Else fair: robots that are wrong, and sure, at a place that looks the same are not found
-// out. Not known of a file that does not tell how well they were foretold.
+// beliefs say they should be; and by whether those that are sure are as near to where the samples were
+// labelled. Low: fewer than half are sure, or they were foretold less well, as on a map of another place, or
+// fewer than two thirds of the sure ones are there, or the networks' own verdict is low. Else fair. Not known
+// of a file that does not tell how well they were foretold.
 Verdict LocalizationVerdict(const Blob& result);
 
 }  // namespace cairn::datasets

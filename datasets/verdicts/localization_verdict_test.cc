@@ -68,6 +68,44 @@ TEST(LocalizationVerdict, IsLowWhereTheMapLiesInTwoPlaces) {
   EXPECT_EQ(LocalizationVerdict(result).trust, Confidence::kFair);
 }
 
+// What drifts in time, or repeats, leads robots astray that are sure.
+TEST(LocalizationVerdict, IsLowWhereThoseThatAreSureAreElsewhere) {
+  Blob result = Localized({2, 2, 2, 9}, 1.5);
+  result.PutVector<double>("step/off_label_m", {9, 1, 9, 2.4, 9, 2.5, 9, 9});
+  const Verdict right = LocalizationVerdict(result);
+  EXPECT_EQ(right.trust, Confidence::kFair);
+  EXPECT_EQ(right.why.find("only"), std::string::npos) << right.why;
+  result.PutVector<double>("step/off_label_m", {9, 1, 9, 2.4, 9, 6, 9, 0});
+  const Verdict most = LocalizationVerdict(result);
+  EXPECT_EQ(most.trust, Confidence::kFair);
+  EXPECT_NE(most.why.find("only 2 of those 3 are so near"), std::string::npos) << most.why;
+  result.PutVector<double>("step/off_label_m", {0, 1, 0, 6, 0, 6, 0, 0});
+  const Verdict few = LocalizationVerdict(result);
+  EXPECT_EQ(few.trust, Confidence::kLow);
+  EXPECT_NE(few.why.find("only 1 of those 3 are so near"), std::string::npos) << few.why;
+}
+
+TEST(LocalizationVerdict, IsNoBetterThanThatOfItsNetworks) {
+  Blob result = Localized({2, 2, 2}, 1.5);
+  result.PutVector<double>("step/off_label_m", std::vector<double>(6, 0));
+  result.Put("extractors", Array::Texts({"networks", "networks_2"}));
+  for (const char* networks : {"extractor/0/", "extractor/1/"}) {
+    result.PutScalar(std::string(networks) + "held_out_reduction", 0.3);
+    result.PutScalar(std::string(networks) + "training_reduction", 0.4);
+  }
+  EXPECT_EQ(LocalizationVerdict(result).trust, Confidence::kFair);
+  result.Put("extractor/1/input_doubts", Array::Texts({"input 'seq' only grows"}));
+  const Verdict clock = LocalizationVerdict(result);
+  EXPECT_EQ(clock.trust, Confidence::kLow);
+  EXPECT_NE(clock.why.find("input 'seq' only grows"), std::string::npos) << clock.why;
+  result = result.Without("extractor/1/input_doubts");
+  result.PutScalar("extractor/1/held_out_reduction", 0.0);
+  EXPECT_EQ(LocalizationVerdict(result).trust, Confidence::kLow);
+  Blob unknown = Localized({2, 2, 2}, 1.5);
+  unknown.Put("extractors", Array::Texts({"networks"}));
+  EXPECT_EQ(LocalizationVerdict(unknown).trust, Confidence::kFair) << "no run was held out of their training";
+}
+
 TEST(LocalizationVerdict, OfAnOlderFileIsNotKnown) {
   const Blob older = Localized({2}, 1).Without("step/lead_nats");
   EXPECT_EQ(LocalizationVerdict(older).trust, Confidence::kNone);

@@ -3,43 +3,81 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstddef>
-#include <span>
+#include <cstdint>
+#include <string>
 
-#include "schema/kinds/learning.h"
+#include "schema/kinds/networks_worth.h"
 
 namespace cairn::datasets {
+namespace {
+
+// Of five or more samples at random places noise was never of use; of two or three in 6 of 16 trials.
+constexpr std::int64_t kFewSamples = 10;
+
+// Why what was held out is too little to tell; empty: it is enough.
+std::string TooFew(const kinds::Networks::HeldOut& held_out) {
+  const std::int64_t samples = held_out.samples.Or(kFewSamples), in_reach = held_out.in_reach.Or(samples);
+  if (samples < kFewSamples)
+    return fmt::format(
+        "{} samples were held out of their training, which is too few to tell what they are worth; ten are "
+        "the least",
+        samples);
+  if (in_reach < kFewSamples)
+    return fmt::format(
+        "of the {} samples that were held out of their training {} were taken within reach of one that was "
+        "trained on, which is too few to tell what they are worth; ten are the least",
+        samples, in_reach);
+  return "";
+}
+
+void AddDoubts(const kinds::NetworksWorth& worth, Verdict* verdict) {
+  const kinds::Networks::HeldOut& held_out = worth.held_out;
+  // By chance one in forty.
+  constexpr double kLeastSigmas = 2;
+  if (const double sigmas = held_out.agreement_sigmas.Or(kLeastSigmas); sigmas < kLeastSigmas)
+    verdict->Add(
+        {Confidence::kLow,
+         fmt::format(
+             "what they make of that run agrees with what they made of the same places before by {:.1f} "
+             "standard deviations of chance, two are the least: do the inputs drift, and tell when "
+             "rather than where?",
+             sigmas)});
+  constexpr double kMuchTheSame = 0.2;
+  if (const double same = held_out.same_share.Or(0); same >= kMuchTheSame)
+    verdict->Add(
+        {Confidence::kLow,
+         fmt::format("{:.0f}% of the samples that were held out are, but for rounding, ones that were "
+                     "trained on: hold out a run that was recorded by itself",
+                     100 * same)});
+  if (const double known = held_out.known_share.Or(0); known > 0)
+    verdict->Add(
+        {Confidence::kLow,
+         fmt::format("{:.0f}% of the samples that were held out had been trained on before, in a run that "
+                     "this one went on from ('weights'): hold out a run that none of them has seen",
+                     100 * known)});
+  for (const std::string& doubt : worth.input_doubts.OrNone()) verdict->Add({Confidence::kLow, doubt});
+}
+
+}  // namespace
 
 Verdict NetworksVerdict(const Blob& result) {
-  const auto networks = Read<kinds::Networks>(result);
-  const std::span<const double> held_out = networks.history.validation_error_m.OrNone();
-  std::size_t best = held_out.size();
-  for (std::size_t step = 0; step < held_out.size(); ++step)
-    if (std::isfinite(held_out[step]) && (best == held_out.size() || held_out[step] < held_out[best]))
-      best = step;
+  return NetworksVerdict(WorthOf(Read<kinds::Networks>(result)));
+}
+
+Verdict NetworksVerdict(const kinds::NetworksWorth& worth) {
   Verdict verdict;
-  const double prior = networks.prior_error_m.Or(NAN),
-               held_out_prior = networks.validation_prior_error_m.Or(NAN);
-  if (best == held_out.size() || !(held_out_prior > 0) || !(prior > 0)) {
+  if (!worth.held_out_reduction || !worth.training_reduction) {
     verdict.why =
         "no run was held out of their training ('holdout'), and nothing else tells what they are worth on "
         "another";
     return verdict;
   }
-  // Of five or more at random places noise was never of use; of two or three in 6 of 16 trials.
-  constexpr std::int64_t kFewSamples = 10;
-  if (const std::int64_t samples = networks.held_out.samples.Or(kFewSamples); samples < kFewSamples) {
-    verdict.why = fmt::format(
-        "{} samples were held out of their training, which is too few to tell what they are worth; ten are "
-        "the "
-        "least",
-        samples);
-    return verdict;
-  }
+  verdict.why = TooFew(worth.held_out);
+  if (!verdict.why.empty()) return verdict;
   // Less than one in a hundred is nothing that a robot would notice.
   constexpr double kUseful = 0.01;
-  const double reduced = 1 - held_out[best] / held_out_prior;
-  const double reduced_in_training = 1 - networks.history.training_error_m[best] / prior;
+  const double reduced = worth.held_out_reduction.Scalar(),
+               reduced_in_training = worth.training_reduction.Scalar();
   verdict.numbers = {{"held_out_reduction", reduced}, {"training_reduction", reduced_in_training}};
   verdict.trust =
       reduced >= kUseful && 2 * reduced >= reduced_in_training ? Confidence::kFair : Confidence::kLow;
@@ -56,13 +94,7 @@ Verdict NetworksVerdict(const Blob& result) {
   verdict.why += verdict.trust == Confidence::kLow
                      ? ": most of what they have learned is of no use elsewhere"
                      : "; which step's weights are kept was chosen by the former, so it is a little too good";
-  if (const double known = networks.held_out.known_share.Or(0); known > 0)
-    verdict.Add(
-        {Confidence::kLow,
-         fmt::format("{:.0f}% of the samples that were held out had been trained on before, in a run that "
-                     "this one went on from ('weights'): hold out a run that none of them has seen",
-                     100 * known)});
-  for (const std::string& doubt : networks.input_doubts.OrNone()) verdict.Add({Confidence::kLow, doubt});
+  AddDoubts(worth, &verdict);
   return verdict;
 }
 

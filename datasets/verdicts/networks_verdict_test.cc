@@ -50,6 +50,38 @@ TEST(NetworksVerdict, IsLowWhereWhatIsHeldOutHadBeenTrainedOn) {
   EXPECT_NE(verdict.why.find("50% of the samples that were held out"), std::string::npos) << verdict.why;
 }
 
+TEST(NetworksVerdict, IsLowWhereWhatIsHeldOutAgreesWithTheMapByChance) {
+  Blob result = TrainedNetworks({9, 6, 5}, {8, 6, 7});
+  result.PutScalar<double>("held_out/agreement_sigmas", 2.1);
+  EXPECT_EQ(NetworksVerdict(result).trust, Confidence::kFair);
+  result.PutScalar<double>("held_out/agreement_sigmas", 1.9);
+  const Verdict verdict = NetworksVerdict(result);
+  EXPECT_EQ(verdict.trust, Confidence::kLow);
+  EXPECT_NE(verdict.why.find("by 1.9 standard deviations of chance"), std::string::npos) << verdict.why;
+}
+
+TEST(NetworksVerdict, IsLowWhereWhatIsHeldOutIsACopyButForRounding) {
+  Blob result = TrainedNetworks({9, 6, 5}, {8, 6, 7});
+  result.PutScalar<double>("held_out/same_share", 0.1);
+  EXPECT_EQ(NetworksVerdict(result).trust, Confidence::kFair);
+  result.PutScalar<double>("held_out/same_share", 0.97);
+  const Verdict verdict = NetworksVerdict(result);
+  EXPECT_EQ(verdict.trust, Confidence::kLow);
+  EXPECT_NE(verdict.why.find("97% of the samples that were held out are, but for rounding"),
+            std::string::npos)
+      << verdict.why;
+}
+
+TEST(NetworksVerdict, IsNotKnownWhereFewOfTheSamplesThatAreHeldOutAreInReach) {
+  Blob result = TrainedNetworks({9, 6, 5}, {8, 6, 7});
+  result.PutScalar<std::int64_t>("held_out/samples", 120);
+  result.PutScalar<std::int64_t>("held_out/in_reach", 5);
+  const Verdict verdict = NetworksVerdict(result);
+  EXPECT_EQ(verdict.trust, Confidence::kNone);
+  EXPECT_NE(verdict.why.find("of the 120 samples that were held out of their training 5"), std::string::npos)
+      << verdict.why;
+}
+
 TEST(NetworksVerdict, IsNotKnownWhereFewSamplesAreHeldOut) {
   Blob result = TrainedNetworks({9, 6, 5}, {8, 6, 7});
   result.PutScalar<std::int64_t>("held_out/samples", 3);

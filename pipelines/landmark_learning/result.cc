@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "pipelines/landmark_learning/data/ancestry.h"
+#include "pipelines/landmark_learning/held_out_check.h"
 #include "pipelines/landmark_learning/networks/arrays.h"
 #include "schema/kinds/sample_hashes.h"
 
@@ -77,7 +78,7 @@ Step ResultOf(const Options& options, const TrainingData& data, const Training& 
   if (!t.warnings.empty()) of.warnings = t.warnings;
   if (!data.input_doubts.empty()) of.input_doubts = data.input_doubts;
   of.map.sample_hash = set.sample_hash;
-  if (data.held_out.size() > 0) of.held_out.samples = static_cast<std::int64_t>(data.held_out.size());
+  of.held_out = CheckHeldOut(options, data, parameters);
   if (parent != nullptr) {
     of.ancestry = AncestryOf(*parent);
     const std::span<const std::int64_t> before = of.ancestry.sample_hash.values();

@@ -4,7 +4,7 @@
 
 #include "pipelines/landmark_learning/networks/arrays.h"
 #include "pipelines/landmark_learning/state/state.h"
-#include "schema/kinds/learning.h"
+#include "schema/kinds/networks_worth.h"
 #include "schema/kinds/sample_hashes.h"
 
 namespace cairn::localization {
@@ -34,6 +34,7 @@ Learned::Learned(const Blob& file) : parameters_(ParametersOf(file)) {
   scale_ = of.networks.input_scale.vector();
   input_names_ = of.networks.input_name.values();
   trained_on_ = RunsInMap(of);
+  worth_ = WorthOf(of);
   known_samples_ = SamplesKnownTo(of);
   for (std::size_t k = 0; k < of.map.x_m.size(); ++k) positions_.push_back({of.map.x_m[k], of.map.y_m[k]});
   outputs_.assign(of.map.output.begin(), of.map.output.end());

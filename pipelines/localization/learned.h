@@ -10,6 +10,7 @@
 #include "pipelines/landmark_learning/networks/networks.h"
 #include "pipelines/localization/position_index.h"
 #include "schema/blob.h"
+#include "schema/kinds/learning.h"
 
 namespace cairn::localization {
 
@@ -24,6 +25,7 @@ class Learned {
   const std::vector<std::string>& input_names() const { return input_names_; }
   // The runs that they were trained on, by name.
   const std::vector<std::string>& trained_on() const { return trained_on_; }
+  const kinds::NetworksWorth& worth() const { return worth_; }
   const std::set<std::int64_t>& known_samples() const { return known_samples_; }
   // Where the training samples were taken, and what the networks make of them: [training samples][networks].
   const std::vector<Position>& positions() const { return positions_; }
@@ -44,6 +46,7 @@ class Learned {
   landmark_learning::Parameters<float> parameters_;
   std::vector<double> mean_, scale_;
   std::vector<std::string> input_names_, trained_on_;
+  kinds::NetworksWorth worth_;
   std::set<std::int64_t> known_samples_;
   std::vector<Position> positions_;
   std::vector<double> outputs_, headings_rad_;

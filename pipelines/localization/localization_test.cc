@@ -207,6 +207,27 @@ TEST(Localization, BeliefsAddUpAndSayWhereTheyEnd) {
   EXPECT_GT(entries.size(), 200U);
 }
 
+TEST(Localization, KeepsWhatItsNetworksAreWorthAndHowFarOffItIs) {
+  const Blob samples = landmark_learning::CorridorSamples().Make();
+  Blob networks = *RunInProcess(landmark_learning::LandmarkLearning({.steps = 3, .holdout = "run 1"}, 3),
+                                InputsOf(samples));
+  networks.Put("input_doubts", Array::Texts({"input 'door' only grows"}));
+  const BlobPtr result = Locate(samples, {.traverses = 2}, std::make_shared<const Blob>(networks));
+  EXPECT_EQ(result->Texts("extractors"), std::vector<std::string>{"networks"});
+  EXPECT_EQ(result->Texts("extractor/0/input_doubts"), networks.Texts("input_doubts"));
+  EXPECT_TRUE(result->Has("extractor/0/held_out_reduction"));
+  EXPECT_EQ(result->Scalar<std::int64_t>("extractor/0/held_out/samples"), 80);
+  const auto off_m = result->Get<double>("step/off_label_m"), mean_x_m = result->Get<double>("step/mean_x_m"),
+             mean_y_m = result->Get<double>("step/mean_y_m"), x_m = samples.Get<double>("run/1/x_m"),
+             y_m = samples.Get<double>("run/1/y_m");
+  const auto sample = result->Get<std::int32_t>("step/sample");
+  for (std::size_t k = 0; k < off_m.size(); ++k) {
+    const auto at = static_cast<std::size_t>(sample[k]);
+    EXPECT_NEAR(off_m[k], std::hypot(mean_x_m[k] - x_m[at], mean_y_m[k] - y_m[at]), 1e-9);
+  }
+  EXPECT_FALSE(Locate(CorridorWithFeatures().Make(), {.runs = "run 1", .traverses = 1})->Has("extractors"));
+}
+
 std::string Complaint(const Blob& samples, const Options& options, const BlobPtr& networks = nullptr) {
   try {
     Locate(samples, options, networks);

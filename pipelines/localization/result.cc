@@ -15,6 +15,7 @@ void ResultRows::Visit(S& rows, const F& f) {
   f("step/mode_x_m", rows.mode_x_m_);
   f("step/mode_y_m", rows.mode_y_m_);
   f("step/spread_m", rows.spread_m_);
+  f("step/off_label_m", rows.off_label_m_);
   f("step/lead_nats", rows.lead_nats_);
   f("step/expected_lead_nats", rows.expected_lead_nats_);
   f("step/entries", rows.entries_);
@@ -26,15 +27,18 @@ void ResultRows::Add(std::size_t number, const Source& source, const Traverse& t
                      const Localized& localized) {
   for (std::size_t k = 0; k < localized.steps.size(); ++k) {
     const Localized::Step& step = localized.steps[k];
+    const Run& run = source.runs[traverse.run];
+    const std::size_t sample = k == 0 ? traverse.start : traverse.stops[k - 1].sample;
     traverse_.push_back(static_cast<std::int32_t>(number));
-    run_.push_back(source.runs[traverse.run].index);
-    sample_.push_back(static_cast<std::int32_t>(k == 0 ? traverse.start : traverse.stops[k - 1].sample));
+    run_.push_back(run.index);
+    sample_.push_back(static_cast<std::int32_t>(sample));
     travelled_m_.push_back(k == 0 ? 0.0 : traverse.stops[k - 1].travelled_m);
     mean_x_m_.push_back(step.estimate.mean.x_m);
     mean_y_m_.push_back(step.estimate.mean.y_m);
     mode_x_m_.push_back(step.estimate.mode.x_m);
     mode_y_m_.push_back(step.estimate.mode.y_m);
     spread_m_.push_back(step.estimate.spread_m);
+    off_label_m_.push_back(DistanceM(step.estimate.mean, run.positions[sample]));
     lead_nats_.push_back(step.lead.nats);
     expected_lead_nats_.push_back(step.lead.expected_nats);
     entries_.push_back(static_cast<std::int64_t>(step.position.size()));
@@ -82,6 +86,9 @@ Blob ResultOf(const Options& options, const Source& source, const Poses& poses, 
   result.Put("feature_name", Array::Texts(source.feature_names));
   result.Put("samples_hash", Array::Text(source.samples_hash));
   result.PutScalar("window_m", options.window_m);
+  if (!source.extractors.empty()) result.Put("extractors", Array::Texts(source.extractors));
+  for (std::size_t n = 0; n < source.extractor.size(); ++n)
+    result.PutAll(fmt::format("extractor/{}/", n), BlobOf(source.extractor[n]));
   return result;
 }
 

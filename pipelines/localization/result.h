@@ -26,8 +26,8 @@ class ResultRows {
   static void Visit(S& rows, const F& f);
 
   std::vector<std::int32_t> traverse_, run_, sample_;  // of each step
-  std::vector<double> travelled_m_, mean_x_m_, mean_y_m_, mode_x_m_, mode_y_m_, spread_m_, lead_nats_,
-      expected_lead_nats_;
+  std::vector<double> travelled_m_, mean_x_m_, mean_y_m_, mode_x_m_, mode_y_m_, spread_m_, off_label_m_,
+      lead_nats_, expected_lead_nats_;
   std::vector<std::int64_t> entries_;   // of each step's belief
   std::vector<std::int32_t> position_;  // of each entry
   std::vector<float> probability_;

@@ -181,32 +181,34 @@ std::vector<Learned> ReadNetworks(const Options& options, const Inputs& inputs) 
 
 void Source::UseNetworks(const Options& options, const kinds::Samples& samples,
                          const std::vector<Learned>& learned) {
-  const NetworkExtractor extractor(samples, learned);
+  const NetworkExtractor by_networks(samples, learned);
   for (std::size_t n = 0; n < learned.size(); ++n) {
     const std::size_t first = feature_names.size();
     const std::string of = learned.size() > 1 ? " of " + std::to_string(n + 1) : "";
     for (std::size_t i = 0; i < learned[n].networks(); ++i)
       feature_names.push_back("network " + std::to_string(i) + of);
     groups.push_back({first, feature_names.size()});
+    extractors.push_back(n == 0 ? "networks" : "networks_" + std::to_string(n + 1));
+    extractor.push_back(learned[n].worth());
   }
   map_positions = learned.front().positions();
   map_heading_rad = learned.front().headings_rad();
-  map_output = extractor.MapOutput();
+  map_output = by_networks.MapOutput();
   for (const std::size_t r : RunsToLocaliseIn(options, run_names, TrainedOn(samples, learned))) {
     Run run = RunOf(options, samples, r);
-    run.output = extractor.OutputOf(r, run.positions.size());
+    run.output = by_networks.OutputOf(r, run.positions.size());
     runs.push_back(std::move(run));
   }
 }
 
 void Source::UseHandMade(const Options& options, const kinds::Samples& samples) {
-  const HandMadeExtractor extractor(samples, ByCommas(options.features));
-  feature_names = extractor.names();
+  const HandMadeExtractor by_hand(samples, ByCommas(options.features));
+  feature_names = by_hand.names();
   groups = {{0, feature_names.size()}};
   const std::vector<std::size_t> wanted = RunsToLocaliseIn(options, run_names, {});
   for (std::size_t r = 0; r < run_names.size(); ++r) {
     Run run = RunOf(options, samples, r);
-    run.output = extractor.OutputOf(r, run.positions.size());
+    run.output = by_hand.OutputOf(r, run.positions.size());
     if (std::ranges::count(wanted, r) > 0) {
       runs.push_back(std::move(run));
       continue;

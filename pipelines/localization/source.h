@@ -42,6 +42,8 @@ struct Source {
   std::vector<double> map_output;       // [training samples][features]
   std::vector<Run> runs;
   std::string samples_hash;  // of the samples without truth
+  std::vector<std::string> extractors;
+  std::vector<kinds::NetworksWorth> extractor;  // of each networks input; for the result alone
 
   std::size_t features() const { return feature_names.size(); }
   // Whether a position counts with its heading: where the robot finds that out too (heading unknown), or
@@ -72,6 +74,8 @@ struct Source {
     field("map_output", &Source::map_output);
     field("run", &Source::runs);
     field("samples_hash", &Source::samples_hash);
+    field("extractors", &Source::extractors);
+    field("extractor", &Source::extractor);
   }
 
  private:

@@ -99,11 +99,14 @@ struct Networks {
     }
   };
   struct HeldOut {
-    Column<std::int64_t> samples;
-    Column<double> known_share;
+    Column<std::int64_t> samples, in_reach;
+    Column<double> known_share, same_share, agreement_sigmas;
     static void Fields(const auto& field) {
       field({"samples", "", From(0)}, &HeldOut::samples);
+      field({"in_reach", "", From(0)}, &HeldOut::in_reach);
       field({"known_share", "", Share()}, &HeldOut::known_share);
+      field({"same_share", "", Share()}, &HeldOut::same_share);
+      field({"agreement_sigmas", "", Finite()}, &HeldOut::agreement_sigmas);
     }
   };
   struct Ancestry {
@@ -148,10 +151,26 @@ struct Networks {
   }
 };
 
+// What tells how far networks can be trusted, in their own file and in that of a localization by them.
+struct NetworksWorth {
+  // At the step whose weights are kept, of the error of a robot that senses nothing; missing where no run was
+  // held out.
+  Column<double> held_out_reduction, training_reduction;
+  Networks::HeldOut held_out;
+  Texts input_doubts;
+
+  static void Fields(const auto& field) {
+    field({"held_out_reduction", "", Finite()}, &NetworksWorth::held_out_reduction);
+    field({"training_reduction", "", Finite()}, &NetworksWorth::training_reduction);
+    field("held_out", &NetworksWorth::held_out);
+    field({"input_doubts", "D"}, &NetworksWorth::input_doubts);
+  }
+};
+
 struct Localization {
   struct Steps {
     Column<std::int32_t> traverse, run, sample;
-    Column<double> travelled_m, mean_x_m, mean_y_m, mode_x_m, mode_y_m, spread_m, lead_nats,
+    Column<double> travelled_m, mean_x_m, mean_y_m, mode_x_m, mode_y_m, spread_m, off_label_m, lead_nats,
         expected_lead_nats;
     Column<std::int64_t> entries;
     static void Fields(const auto& field) {
@@ -164,6 +183,7 @@ struct Localization {
       field(Needed("mode_x_m", "S", Position()), &Steps::mode_x_m);
       field(Needed("mode_y_m", "S", Position()), &Steps::mode_y_m);
       field(Needed("spread_m", "S", NotNegative()), &Steps::spread_m);
+      field({"off_label_m", "S", NotNegative()}, &Steps::off_label_m);
       field({"lead_nats", "S", Finite()}, &Steps::lead_nats);
       field({"expected_lead_nats", "S", NotNegative()}, &Steps::expected_lead_nats);
       field(Needed("entries", "S", RowsOf("belief/position")), &Steps::entries);
@@ -174,7 +194,8 @@ struct Localization {
   Column<std::int32_t> belief_position;
   Column<float> belief_probability;
   Column<double> position_x_m, position_y_m, position_heading_rad, window_m;
-  Texts heading, runs, feature_name, samples_hash;
+  Texts heading, runs, feature_name, samples_hash, extractors;
+  std::vector<NetworksWorth> extractor;
 
   static void Fields(const auto& field) {
     field("step", &Localization::step);
@@ -188,6 +209,8 @@ struct Localization {
     field({"feature_name", "F"}, &Localization::feature_name);
     field({"samples_hash", ""}, &Localization::samples_hash);
     field({"window_m", "", NotNegative()}, &Localization::window_m);
+    field({"extractors", "E"}, &Localization::extractors);
+    field("extractor", &Localization::extractor);
   }
 };
 
