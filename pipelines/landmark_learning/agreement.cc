@@ -1,20 +1,27 @@
 #include "pipelines/landmark_learning/agreement.h"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
 
 namespace cairn::landmark_learning {
 namespace {
 
-// Of wave `wave` of a column: sum over the rows of the wave times how far they are from the first, of which a
-// wave knows nothing.
-double Coefficient(const std::vector<double>& series, std::size_t columns, std::size_t column,
-                   std::size_t wave, const std::vector<double>& cosines) {
+// Its waves along the run but for the mean, [waves][columns]: of each the sum over the rows of the wave times
+// how far they are from the first, of which a wave knows nothing.
+Eigen::MatrixXd WavesOf(const std::vector<double>& series, std::size_t columns,
+                        const std::vector<double>& cosines) {
   const std::size_t rows = series.size() / columns;
-  double sum = 0.0;
-  for (std::size_t row = 0; row < rows; ++row)
-    sum += (series[row * columns + column] - series[column]) * cosines[wave * (2 * row + 1) % cosines.size()];
-  return sum;
+  Eigen::MatrixXd waves =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows) - 1, static_cast<Eigen::Index>(columns));
+  for (std::size_t wave = 1; wave < rows; ++wave)
+    for (std::size_t row = 0; row < rows; ++row) {
+      const double cosine = cosines[wave * (2 * row + 1) % cosines.size()];
+      for (std::size_t column = 0; column < columns; ++column)
+        waves(static_cast<Eigen::Index>(wave) - 1, static_cast<Eigen::Index>(column)) +=
+            cosine * (series[row * columns + column] - series[column]);
+    }
+  return waves;
 }
 
 }  // namespace
@@ -22,19 +29,16 @@ double Coefficient(const std::vector<double>& series, std::size_t columns, std::
 double AgreementSigmas(const std::vector<double>& one, const std::vector<double>& other,
                        std::size_t columns) {
   const std::size_t rows = one.size() / columns;
+  if (rows < 2) return 0.0;
   std::vector<double> cosines;  // of a wave's whole period, in steps of half a row
   for (std::size_t k = 0; k < 4 * rows; ++k)
     cosines.push_back(std::cos(0.5 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(rows)));
-  double sum = 0.0, variance = 0.0;
-  for (std::size_t wave = 1; wave < rows; ++wave) {
-    double common = 0.0;
-    for (std::size_t column = 0; column < columns; ++column)
-      common += Coefficient(one, columns, column, wave, cosines) *
-                Coefficient(other, columns, column, wave, cosines);
-    sum += std::copysign(std::sqrt(std::abs(common)), common);
-    variance += std::abs(common);
-  }
-  return variance > 0.0 ? sum / std::sqrt(variance) : 0.0;
+  const Eigen::MatrixXd of_one = WavesOf(one, columns, cosines), of_other = WavesOf(other, columns, cosines);
+  const Eigen::MatrixXd axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(of_one.transpose() * of_one).eigenvectors();
+  const Eigen::ArrayXXd common = (of_one * axes).array() * (of_other * axes).array();
+  const double variance = common.abs().sum();
+  return variance > 0.0 ? (common.sign() * common.abs().sqrt()).sum() / std::sqrt(variance) : 0.0;
 }
 
 }  // namespace cairn::landmark_learning

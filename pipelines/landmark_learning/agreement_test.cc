@@ -43,6 +43,17 @@ TEST(Agreement, OfOneWaveIsOneWhateverItsSize) {
   EXPECT_NEAR(AgreementSigmas(wave, against, 1), -1.0, 1e-4);
 }
 
+TEST(Agreement, CountsColumnsThatSayTheSameOnce) {
+  Rng rng(3);
+  const std::vector<double> all = Walk(rng);
+  std::vector<double> one, twice;
+  for (std::size_t k = 0; k < all.size(); k += kColumns) {
+    one.push_back(all[k]);
+    twice.insert(twice.end(), {all[k], 3 * all[k]});
+  }
+  EXPECT_NEAR(AgreementSigmas(twice, twice, 2), AgreementSigmas(one, one, 1), 1e-3);
+}
+
 TEST(Agreement, OfWhatIsTheSameButForNoiseIsMany) {
   Rng rng(2);
   const std::vector<double> one = Walk(rng);
