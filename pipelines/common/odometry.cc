@@ -22,6 +22,27 @@ double UsualInterval(std::span<const double> time) {
   return intervals[intervals.size() / 2];
 }
 
+bool IsAside(const Odometry& odometry, std::size_t i) {
+  const std::vector<double>&time = odometry.time_s, &heading = odometry.heading_rad, &path = odometry.path_m;
+  return i + 1 < time.size() && time[i] == time[i + 1] && path[i] == path[i + 1] &&
+         GoesAside(heading[i - 1], heading[i], heading[i + 1]);
+}
+
+void TellAsides(Odometry* odometry) {
+  std::vector<double>&heading = odometry->heading_rad, &turn = odometry->turn_rad;
+  odometry->aside_rad.assign(heading.size(), 0.0);
+  double back = 0.0;  // turned back so far, and as much before that
+  for (std::size_t i = 1; i < heading.size(); ++i) {
+    turn[i] -= back;
+    if (!IsAside(*odometry, i)) continue;
+    const double left = heading[i + 1] - heading[i - 1], middle = heading[i - 1] + 0.5 * left;
+    odometry->aside_rad[i] = heading[i] - middle;
+    heading[i] = middle;
+    turn[i] = turn[i - 1] + 0.5 * std::abs(left);
+    back = turn[i + 1] - (turn[i - 1] + std::abs(left));
+  }
+}
+
 // After the turn and `part` of the distance of the control that ends in state `i`.
 OdometricPose Within(const Odometry& odometry, std::size_t i, double part) {
   const auto between = [&](const std::vector<double>& v) { return v[i - 1] + part * (v[i] - v[i - 1]); };
@@ -53,7 +74,14 @@ Odometry Integrate(const kinds::Log::Odometry& controls, const std::string& name
     odometry.path_m.push_back(odometry.path_m.back() + std::abs(forward[i]));
     odometry.turn_rad.push_back(odometry.turn_rad.back() + std::abs(turn[i]));
   }
+  TellAsides(&odometry);
   return odometry;
+}
+
+bool GoesAside(double from_rad, double way_rad, double to_rad) {
+  constexpr double kSwings_rad = 0.2;
+  return std::abs(way_rad - from_rad) + std::abs(to_rad - way_rad) >
+         std::abs(to_rad - from_rad) + kSwings_rad;
 }
 
 Odometry Until(Odometry odometry, double until_s) {
@@ -61,7 +89,7 @@ Odometry Until(Odometry odometry, double until_s) {
   const auto under_way = std::ranges::lower_bound(time, until_s) - time.begin();
   const std::size_t kept = std::min(time.size(), static_cast<std::size_t>(under_way) + 1);
   for (std::vector<double>* column : {&odometry.time_s, &odometry.x_m, &odometry.y_m, &odometry.heading_rad,
-                                      &odometry.path_m, &odometry.turn_rad}) {
+                                      &odometry.path_m, &odometry.turn_rad, &odometry.aside_rad}) {
     column->resize(kept);
   }
   return odometry;

@@ -15,7 +15,8 @@ MotionEdge Integral(std::span<const Control> controls, const SystematicErrors& e
     at[kHeading] += (1.0 + errors.turn) * control.turn_rad - errors.drift_rad_per_m * half_m;
     by(kHeading, kTurn) += control.turn_rad;
     by(kHeading, kDrift) -= half_m;
-    const double cosine = std::cos(at[kHeading]), sine = std::sin(at[kHeading]);
+    const double direction = at[kHeading] + control.aside_rad;
+    const double cosine = std::cos(direction), sine = std::sin(direction);
     const double x = (1.0 + errors.way) * control.forward_m * cosine,
                  y = (1.0 + errors.way) * control.forward_m * sine;
     at[kX] += x;
@@ -46,7 +47,7 @@ EdgeSpread SpreadOf(std::span<const Control> controls, const SystematicErrors& e
     drifted = half;
     heading += (1.0 + errors.turn) * control.turn_rad - half;
     spread.turn(2, 2) += turned;
-    const double ux = std::cos(heading), uy = std::sin(heading);
+    const double ux = std::cos(heading + control.aside_rad), uy = std::sin(heading + control.aside_rad);
     const double x = control.forward_m * ux, y = control.forward_m * uy;
     const Eigen::Vector3d along(ux, uy, 0.0), across(-uy, ux, 0.0);
     // An error of the heading so far moves the end across.

@@ -10,6 +10,7 @@ namespace cairn::landmark_map {
 // First the turn, then the way.
 struct Control {
   double turn_rad = 0.0, forward_m = 0.0;
+  double aside_rad = 0.0;  // direction of the way, from the heading
 };
 
 // What one robot's odometry and its ranges err by in common. True motion is what odometry says, times 1 + way

@@ -11,7 +11,8 @@
 namespace cairn::landmark_map {
 namespace {
 
-const std::vector<Control> kControls{{0.3, 1.0}, {-0.1, 0.4}, {1.2, 0.0}, {0.0, -0.7}, {0.05, 2.0}};
+const std::vector<Control> kControls{{0.3, 1.0},  {-0.1, 0.4}, {1.2, 0.0},
+                                     {0.0, -0.7}, {0.05, 2.0}, {0.1, 0.5, 1.3}};
 
 TEST(Integral, OfPerfectOdometryIsDeadReckoning) {
   const std::vector<Control> square(4, {std::numbers::pi / 2, 3.0});
@@ -21,12 +22,22 @@ TEST(Integral, OfPerfectOdometryIsDeadReckoning) {
   EXPECT_NEAR(edge.motion[2], 2.0 * std::numbers::pi, 1e-12);
 }
 
+// What it errs by in turns does not bend the way of a robot that goes aside and faces as before.
+TEST(Integral, GoesAsideWithoutATurn) {
+  const std::vector<Control> aside{{0.0, 2.0, std::numbers::pi / 2}};
+  const MotionEdge edge = Integral(aside, {.turn = 0.1});
+  EXPECT_NEAR(edge.motion[0], 0.0, 1e-12);
+  EXPECT_NEAR(edge.motion[1], 2.0, 1e-12);
+  EXPECT_EQ(edge.motion[2], 0.0);
+  EXPECT_EQ(SpreadOf(aside, {}).turn.norm(), 0.0);
+}
+
 // Odometry that turns too far by 0.01 rad/m, and whose ways and turns are 5 and 10% short.
 TEST(Integral, TakesTheDriftOffAndTheScalesIn) {
   std::vector<Control> said;
   for (const Control& control : kControls) {
     const double forward_m = control.forward_m / 1.05;
-    said.push_back({(control.turn_rad + 0.01 * std::abs(forward_m)) / 1.1, forward_m});
+    said.push_back({(control.turn_rad + 0.01 * std::abs(forward_m)) / 1.1, forward_m, control.aside_rad});
   }
   const MotionEdge edge = Integral(said, {.drift_rad_per_m = 0.01, .way = 0.05, .turn = 0.1});
   const MotionEdge truth = Integral(kControls, {});
@@ -64,7 +75,7 @@ TEST(SpreadOf, IsTheScatterOfManyDrives) {
           {control.turn_rad + kTurn * std::sqrt(std::abs(control.turn_rad)) * rng.Normal(), 0.0});
       const double length = control.forward_m / kPieces, root = std::sqrt(std::abs(length));
       for (int piece = 0; piece < kPieces; ++piece) {
-        driven.push_back({0.0, length + kWay * root * rng.Normal()});
+        driven.push_back({0.0, length + kWay * root * rng.Normal(), control.aside_rad});
         driven.push_back({kWalk * root * rng.Normal(), 0.0});
       }
     }

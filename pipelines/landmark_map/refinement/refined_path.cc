@@ -33,16 +33,16 @@ std::vector<Control> JoinedArcs(std::span<const Control> controls) {
     const std::size_t first = i;
     for (; i < controls.size(); ++i) {
       const Control& next = controls[i];
-      if (!SameWay(next.turn_rad, arc.turn_rad) || !SameWay(next.forward_m, arc.forward_m) ||
-          std::abs(arc.turn_rad + next.turn_rad) > kMostTurn_rad ||
+      if (next.aside_rad != arc.aside_rad || !SameWay(next.turn_rad, arc.turn_rad) ||
+          !SameWay(next.forward_m, arc.forward_m) || std::abs(arc.turn_rad + next.turn_rad) > kMostTurn_rad ||
           std::abs(arc.forward_m + next.forward_m) > kMostWay_m)
         break;
-      arc = {arc.turn_rad + next.turn_rad, arc.forward_m + next.forward_m};
+      arc = {arc.turn_rad + next.turn_rad, arc.forward_m + next.forward_m, arc.aside_rad};
     }
     if (i == first) {
       joined.push_back(arc);
     } else {
-      joined.push_back({0.5 * arc.turn_rad, arc.forward_m});
+      joined.push_back({0.5 * arc.turn_rad, arc.forward_m, arc.aside_rad});
       joined.push_back({0.5 * arc.turn_rad, 0.0});
     }
   }
@@ -57,14 +57,15 @@ std::vector<Control> ControlsBetween(const Odometry& odometry, double from_s, do
   for (std::size_t i = static_cast<std::size_t>(std::ranges::upper_bound(time, from_s) - time.begin());
        i < time.size() && (time[i] <= to_s || (i > 0 && time[i - 1] < to_s)); ++i) {
     if (i == 0) continue;
-    const double heading = odometry.heading_rad[i];
-    const double forward = (odometry.x_m[i] - odometry.x_m[i - 1]) * std::cos(heading) +
-                           (odometry.y_m[i] - odometry.y_m[i - 1]) * std::sin(heading);
+    const double heading = odometry.heading_rad[i], direction = heading + odometry.aside_rad[i];
+    const double forward = (odometry.x_m[i] - odometry.x_m[i - 1]) * std::cos(direction) +
+                           (odometry.y_m[i] - odometry.y_m[i - 1]) * std::sin(direction);
     const double length_s = time[i] - time[i - 1];
     const double begin_s = std::max(from_s, time[i - 1]), end_s = std::min(to_s, time[i]);
     const double part = length_s > 0.0 ? (end_s - begin_s) / length_s : 1.0;
     const bool turns = from_s <= time[i - 1];
-    const Control control{turns ? heading - odometry.heading_rad[i - 1] : 0.0, part * forward};
+    const Control control{turns ? heading - odometry.heading_rad[i - 1] : 0.0, part * forward,
+                          odometry.aside_rad[i]};
     if (control.turn_rad != 0.0 || control.forward_m != 0.0) controls.push_back(control);
   }
   return controls;

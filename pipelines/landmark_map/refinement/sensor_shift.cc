@@ -59,12 +59,13 @@ struct Reckoned {
 };
 
 // The odometry that a clock would have recorded which is so much later. From one time to the next it turns to
-// where it goes, goes there, and turns on.
+// where it goes, goes there, and turns on; or it goes aside (common/odometry.h).
 Odometry Later(const Odometry& was, double late_s) {
   const Reckoned reckoned(was);
   Odometry later;
-  const auto add = [&](double time_s, const Pose& at, double heading_rad) {
+  const auto add = [&](double time_s, const Pose& at, double heading_rad, double aside_rad = 0.0) {
     later.time_s.push_back(time_s);
+    later.aside_rad.push_back(aside_rad);
     later.x_m.push_back(at.x_m);
     later.y_m.push_back(at.y_m);
     later.heading_rad.push_back(heading_rad);
@@ -79,7 +80,10 @@ Odometry Later(const Odometry& was, double late_s) {
     // Ahead or backwards.
     double off = std::remainder(std::atan2(dy, dx) - middle, std::numbers::pi);
     if (std::hypot(dx, dy) < kStands_m) off = 0.0;
-    add(reckoned.time_s[i], at, middle + off);
+    if (GoesAside(before.heading_rad, middle + off, at.heading_rad))
+      add(reckoned.time_s[i], at, middle, off);
+    else
+      add(reckoned.time_s[i], at, middle + off);
     add(reckoned.time_s[i], at, at.heading_rad);
     before = at;
   }
