@@ -84,9 +84,8 @@ double DefaultCell(const kinds::Log& log, const Sensing& sensing, double extent_
 // drifts beyond them: EM follows what lies between. Those of contact detections must come near.
 constexpr double kUnstatedDrift = 0.1 * kDegree, kUnstatedDriftSearched = 0.75 * kDegree;
 
-double DriftOf(const kinds::Log& log, const Sensing& sensing, int starts) {
-  return NoiseParameter(log.noise.heading_drift_rad_per_m,
-                        starts > 1 && sensing.ranged > 0 ? kUnstatedDriftSearched : kUnstatedDrift);
+double UnstatedDrift(const Sensing& sensing, int starts) {
+  return starts > 1 && sensing.ranged > 0 ? kUnstatedDriftSearched : kUnstatedDrift;
 }
 
 // Over what distance a constant drift is unknown. Of several starts one is right to within a part of the
@@ -100,10 +99,20 @@ double DriftLength(const Options& options, const kinds::Log& log, const Sensing&
   return std::min(1.0, Square(DriftStep(starts)) / 12.0) * length_m;
 }
 
+// What a log's odometry errs by over its extent is no more than what a small robot's does over that of a
+// large hall: a robot that is driven over kilometres keeps its heading for longer. Beliefs of any heading
+// would fill a map of that size. By how much less it drifts.
+double ForLargeWorlds(const Sensing& sensing, double extent_m) {
+  constexpr double kSmallRobots_m = 250.0;
+  const bool named = sensing.identified == sensing.observations && sensing.ranged > 0;
+  return named ? std::min(1.0, kSmallRobots_m / std::max(extent_m, kSmallRobots_m)) : 1.0;
+}
+
 // Odometry's errors where the log does not tell them. They are where EM starts and are estimated from there:
 // with identities from far above, for a width too small loses robots for good and one too large costs time
 // only. Without identities a large width lets landmarks be taken for one another.
-void SetNoise(const Options& options, const kinds::Log& log, const Sensing& sensing, Settings* settings) {
+void SetNoise(const Options& options, const kinds::Log& log, const Sensing& sensing, double extent_m,
+              Settings* settings) {
   const double wide = sensing.identified == sensing.observations || sensing.ranged > 0 ? 3.0 : 1.0;
   const double scale = options.noise_scale;
   constexpr double kUsualWalk = 0.7 * kDegree, kUsualTurn = 0.02;
@@ -113,7 +122,10 @@ void SetNoise(const Options& options, const kinds::Log& log, const Sensing& sens
   const auto turn = [&](double unstated) { return NoiseParameter(log.noise.turn_ratio, unstated) * scale; };
   settings->expected_walk_rad_per_sqrt_m = walk(kUsualWalk);
   settings->expected_turn_ratio = turn(kUsualTurn);
-  settings->noise = {DriftOf(log, sensing, settings->starts) * scale, walk(wide * kUsualWalk),
+  const double large = ForLargeWorlds(sensing, extent_m);
+  const double drift =
+      NoiseParameter(log.noise.heading_drift_rad_per_m, large * UnstatedDrift(sensing, settings->starts));
+  settings->noise = {drift * scale, walk(std::sqrt(large) * wide * kUsualWalk),
                      DriftLength(options, log, sensing, settings->starts, settings->map.grid.cell_m),
                      NoiseParameter(log.noise.forward_ratio, 0.02) * scale, turn(wide * kUsualTurn)};
 }
@@ -166,6 +178,15 @@ Detection DetectionOf(const kinds::Log& log, const Sensing& sensing) {
   return {std::min(0.9, NoiseParameter(log.noise.false_ratio, none.false_ratio)),
           std::clamp(NoiseParameter(log.noise.miss_ratio, none.miss_ratio), 1e-3, 0.9),
           sensing.ranged == 0 && sensing.identified == 0};
+}
+
+// Of what has a name hardly any is false, however far the sensor sees: the rate is per area, and in what is
+// in view it must not add up to more than a part of all. Or no observation says anything on wide cells.
+double FalseRateOf(const Options& options, const Sensing& sensing) {
+  constexpr double kMost = 0.3;
+  if (sensing.identified < sensing.observations || sensing.ranged == 0) return options.false_rate_per_m2;
+  const double view_m2 = std::numbers::pi * Square(sensing.mean_range_m);
+  return std::min(options.false_rate_per_m2, kMost / view_m2);
 }
 
 // How far landmarks without identity reach, by the scale of the log: within a radius they contend for what
@@ -317,7 +338,7 @@ Settings ResolveWith(const Options& options, const Seen& seen, int starts) {
   SetReach(options, sensing, &settings.map);
   settings.map.prior_count = options.model == "exact" ? 0.0 : options.prior_count;
   settings.map.no_landmark = sensing.ranged == 0 ? options.no_landmark : 0.0;
-  settings.map.false_rate_per_m2 = options.false_rate_per_m2;
+  settings.map.false_rate_per_m2 = FalseRateOf(options, sensing);
   settings.map.exact = options.model == "exact";
 
   settings.incremental = options.incremental;
@@ -325,7 +346,7 @@ Settings ResolveWith(const Options& options, const Seen& seen, int starts) {
   settings.starts = starts;
   // Landmarks seen at a distance may stand closer than a cell is wide: single observations say little.
   settings.alike = sensing.ranged == 0 ? 0.99 : 0.95;
-  SetNoise(options, log, sensing, &settings);
+  SetNoise(options, log, sensing, extent, &settings);
   constexpr double kShortestIncrement = 0.1;  // cells: below, steps are many and say nothing
   if (options.max_increment_m > 0 && options.max_increment_m < kShortestIncrement * grid.cell_m) {
     throw InputError("max_increment_m: 0, or at least a tenth of a cell");

@@ -165,6 +165,40 @@ TEST(Resolve, OdometryIsExpectedToErrAsStatedOrAsSmallRobotsDo) {
   EXPECT_EQ(stated.expected_turn_ratio, 0.2);
 }
 
+// Over the whole extent the heading errs by as much as over 250 m, the drift as well as the walk.
+TEST(Resolve, InALargeWorldOdometryWithNamesKeepsItsHeadingForLonger) {
+  const auto noise = [](double side_m, bool identified) {
+    return Resolve({.starts = 1}, SquareLog{.laps = 1,
+                                            .side_m = side_m,
+                                            .ranged = true,
+                                            .identified = identified,
+                                            .walk_rad_per_sqrt_m = 0.0}
+                                      .Make())
+        .noise;
+  };
+  const MotionNoise hall = noise(200.0, true), town = noise(1000.0, true), unnamed = noise(1000.0, false);
+  EXPECT_EQ(noise(20.0, true).heading_drift_rad_per_m, hall.heading_drift_rad_per_m);
+  EXPECT_NEAR(town.heading_drift_rad_per_m, 0.25 * hall.heading_drift_rad_per_m,
+              0.01 * hall.heading_drift_rad_per_m);
+  EXPECT_NEAR(town.heading_walk_rad_per_sqrt_m, 0.5 * hall.heading_walk_rad_per_sqrt_m,
+              0.01 * hall.heading_walk_rad_per_sqrt_m);
+  EXPECT_EQ(unnamed.heading_walk_rad_per_sqrt_m, hall.heading_walk_rad_per_sqrt_m);
+}
+
+// A landmark seen 80 m away on cells of 20 m: at 1e-3 per square metre four of ten observations would be
+// false of each cell, and none would tell where the robot is.
+TEST(Resolve, ARateOfFalseObservationsIsNoMoreThanAPartOfThemInAllThatIsInView) {
+  const auto rate = [](double side_m, bool identified) {
+    return Resolve({.starts = 1},
+                   SquareLog{.laps = 1, .side_m = side_m, .ranged = true, .identified = identified}.Make())
+        .map.false_rate_per_m2;
+  };
+  const double away_m = 500.0 - 1.0;
+  EXPECT_EQ(rate(10.0, true), 1e-3);
+  EXPECT_NEAR(rate(1000.0, true) * std::numbers::pi * away_m * away_m, 0.3, 1e-9);
+  EXPECT_EQ(rate(1000.0, false), 1e-3);
+}
+
 TEST(Resolve, TheGaugeIsFreeWhereSeveralRobotsSeeAtADistance) {
   for (const bool ranged : {false, true}) {
     Blob log = SquareLog{.ranged = ranged}.Make();
