@@ -59,8 +59,9 @@ struct Reckoned {
 };
 
 // The odometry that a clock would have recorded which is so much later. From one time to the next it turns to
-// where it goes, goes there, and turns on; or it goes aside (common/odometry.h).
+// where it goes, goes there, and turns on; one that ever goes aside (common/odometry.h) does so here.
 Odometry Later(const Odometry& was, double late_s) {
+  const bool goes_aside = std::ranges::any_of(was.aside_rad, [](double rad) { return rad != 0.0; });
   const Reckoned reckoned(was);
   Odometry later;
   const auto add = [&](double time_s, const Pose& at, double heading_rad, double aside_rad = 0.0) {
@@ -80,7 +81,7 @@ Odometry Later(const Odometry& was, double late_s) {
     // Ahead or backwards.
     double off = std::remainder(std::atan2(dy, dx) - middle, std::numbers::pi);
     if (std::hypot(dx, dy) < kStands_m) off = 0.0;
-    if (GoesAside(before.heading_rad, middle + off, at.heading_rad))
+    if (goes_aside && GoesAside(before.heading_rad, middle + off, at.heading_rad))
       add(reckoned.time_s[i], at, middle, off);
     else
       add(reckoned.time_s[i], at, middle + off);
