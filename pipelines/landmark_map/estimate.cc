@@ -138,15 +138,28 @@ Box BoxOf(const LayeredGrid& grid) {
   return box;
 }
 
-// Steps that EM of the first robot looks at from such a start on, after the first round.
-double VisitsFrom(Schedule schedule, const Options& options, int steps) {
-  double visits = 0.0;
-  if (schedule.summarises()) return visits;  // the first round is the last one
+// Cells that EM of the first robot moves from such a start on, after the first round.
+double WorkFrom(Schedule schedule, const Options& options, const RobotSteps& robot,
+                const Settings& settings) {
+  if (schedule.summarises()) return 0.0;  // the first round is the last one
+  const EStepModel model = settings.Model(nullptr);
+  const bool named = settings.map.types > 0 && !settings.map.partly_named;  // others may be seen anywhere
+  const double step = WorkOfStep(robot, model);
+  // What one iteration sees for the first time is sharp in the map of the next but one.
+  const auto in_a_map_of = [&](int sharp, int count) {
+    return named ? WorkInAMapUpTo(sharp, count, step, robot, model) : count * step;
+  };
+  double work = 0.0;
+  int sharp = 0, count = StepsInUse(schedule, robot.size());
   while (schedule.prefix < 1.0) {
     schedule = schedule.Next(options, 1, 0.0, 0.0);
-    visits += StepsInUse(schedule, steps);
+    const int before = std::exchange(count, StepsInUse(schedule, robot.size()));
+    work += in_a_map_of(sharp, count);
+    sharp = before;
   }
-  return visits + std::min(kUsualIterations, static_cast<double>(options.iterations)) * steps;
+  const double on_all = std::min(kUsualIterations, static_cast<double>(options.iterations));
+  const double not_sharp = sharp > 0 && on_all > 0.0 ? in_a_map_of(sharp, count) - count * step : 0.0;
+  return work + not_sharp + on_all * robot.size() * step;
 }
 
 double JoinedIterations(const Options& options, const Schedule& schedule) {
@@ -168,13 +181,16 @@ double WavesOf(const Options& options, const std::vector<cairn::Step>& starts) {
 }
 
 // Seconds of the candidates of the search, or of the only start.
-double SecondsOfSearch(const Options& options, const RobotSteps& robot, double first_round_s, double step_s,
-                       const std::vector<cairn::Step>& starts) {
+double SecondsOfSearch(const Options& options, const RobotSteps& robot, const Settings& settings,
+                       double first_round_s, const std::vector<cairn::Step>& starts) {
   const auto count = static_cast<double>(starts.size());
-  double visits = 0.0;
+  const EStepModel model = settings.Model(nullptr);
+  const double cell_s = 1e-9 * CellNanoseconds(robot, model, true);
+  const double step_s = cell_s * WorkOfStep(robot, model);
+  double work = 0.0;
   for (const cairn::Step& start : starts)
-    visits += VisitsFrom(Schedule::Load(start.plan.state()), options, robot.size());
-  const double all = first_round_s + visits * step_s;
+    work += WorkFrom(Schedule::Load(start.plan.state()), options, robot, settings);
+  const double all = first_round_s + cell_s * work;
   return all + WavesOf(options, starts) *
                    (kNewStarts / count * all + kRefits * kUsualIterations * robot.size() * step_s);
 }
@@ -252,7 +268,7 @@ Estimate EstimateJob(const Options& options, const OnGrid& search, const OnGrid&
     return 1e-9 * CellNanoseconds(robot, on, true) * WorkOfStep(robot, on);
   };
   const double first_round_s = 1e-9 * CellNanoseconds(robots[0], model, false) * estimate.cells;
-  estimate.seconds = SecondsOfSearch(options, robots[0], first_round_s, step_s(robots[0], model), starts);
+  estimate.seconds = SecondsOfSearch(options, robots[0], settings, first_round_s, starts);
   const Schedule schedule = Schedule::Load(starts[0].plan.state());
   const double joined = JoinedIterations(options, schedule);
   const bool finer = last.settings.map.grid.cell_m < settings.map.grid.cell_m;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <set>
 
 namespace cairn::landmark_map {
 namespace {
@@ -137,6 +139,31 @@ int FirstReturn(const RobotSteps& steps, const OpenLoop& loop, const EStepModel&
 
 double WorkOfStep(const RobotSteps& steps, const EStepModel& model) {
   return kStepCells + kBlur * MeanCellsInAMap(steps, model);
+}
+
+double WorkInAMapUpTo(int known, int count, double least, const RobotSteps& steps, const EStepModel& model) {
+  if (model.whole_tables) return least * count;
+  const double reach = Reach(model);
+  const auto& first = steps.first_observation;
+  std::set<std::int32_t> types;
+  double work = 0.0, travelled = 0.0;
+  Spread spread;
+  for (int s = 0; s < count; ++s) {
+    const MotionIncrement increment = steps.IncrementTo(s);
+    travelled += increment.path_m / model.grid.cell_m;
+    MoveAlong(increment, model, &spread);
+    work += std::max(least, kStepCells + spread.Cells(reach, model.grid, travelled, HUGE_VAL));
+    bool tells = false;
+    for (int k = first[s]; k < first[s + 1]; ++k) {
+      const std::int32_t type = steps.observations[static_cast<std::size_t>(k)].type;
+      if (s < known) types.insert(type);
+      tells = tells || types.contains(type);
+    }
+    if (!tells) continue;
+    spread = {};
+    travelled = 0.0;
+  }
+  return work;
 }
 
 double CellNanoseconds(const RobotSteps& steps, const EStepModel& model, bool in_cache) {

@@ -38,6 +38,11 @@ int FirstReturn(const RobotSteps& steps, const OpenLoop& loop, const EStepModel&
 inline constexpr double kBlur = 12.0;
 double WorkOfStep(const RobotSteps& steps, const EStepModel& model);
 
+// The work of the first `count` steps in a map of the landmarks that were seen before step `known`: in the
+// way that EM adds, those that are seen there for the first time tell nothing yet. A step takes `least`
+// (WorkOfStep).
+double WorkInAMapUpTo(int known, int count, double least, const RobotSteps& steps, const EStepModel& model);
+
 // How many steps' worth of the whole map a robot that may start anywhere moves until it has found itself: 3
 // to 9 in simulated loops of all difficulties.
 inline constexpr double kStepsLost = 6.0;

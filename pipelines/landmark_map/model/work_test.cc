@@ -89,6 +89,29 @@ TEST(MeanCellsInAMap, IsWhatIncrementsFromWhereTheRobotSawSomethingAddUpTo) {
               (cells(0) + cells(1) + cells(1) + cells(2)) / 4.0, 1e-9);
 }
 
+// Of a way with a landmark of its own at each step: those of the second half are seen for the first time, so
+// the belief spreads from its first step on, by as much as without a map.
+TEST(WorkInAMapUpTo, BeliefsSpreadWhereLandmarksAreSeenForTheFirstTime) {
+  constexpr int kSteps = 8;
+  RobotSteps steps;
+  for (int s = 0; s < kSteps; ++s) {
+    steps.odo_x_m.push_back(10.0 * s);
+    steps.path_m.push_back(s == 0 ? 0.0 : 10.0);
+    steps.first_observation.push_back(s);
+    steps.observations.push_back({s, 1.0, 0.0});
+  }
+  steps.first_observation.push_back(kSteps);
+  steps.odo_y_m = steps.odo_heading_rad = steps.turn_rad = steps.time_s = std::vector<double>(kSteps, 0.0);
+  const World world(Options{.cell_m = 1.0});
+  const EStepModel model = world.settings.Model(nullptr);
+  const std::vector<double> open = ReckonOpenLoop(steps, model, kSteps).cells;
+  const double known = WorkInAMapUpTo(kSteps, kSteps, 0.0, steps, model);
+  EXPECT_NEAR(known, open[0] + (kSteps - 1) * open[1] + kSteps * kStepCells, 1e-6 * known);
+  const double half = WorkInAMapUpTo(kSteps / 2, kSteps, 0.0, steps, model);
+  EXPECT_NEAR(half - known, open[2] + open[3] + open[4] - 3.0 * open[1], 1e-6 * known);
+  EXPECT_EQ(WorkInAMapUpTo(1, kSteps, 1e9, steps, model), 1e9 * kSteps) << "at least";
+}
+
 TEST(ForwardFor, StopsWhereItsWorkIsDoneAndGivesTheSameAlpha) {
   const World world(Options{.cell_m = 0.5});
   const EStepModel model = world.settings.Model(nullptr);
