@@ -15,6 +15,8 @@ namespace {
 constexpr std::size_t kMaxRequests = 64;
 // Without an answer to any fetch for so long, the answer was lost (a full queue): ask again.
 constexpr double kAskAgain_s = 20;
+// What comes while it waits for answers is a part of one, unless it is as little as what signs of life take.
+constexpr std::uint64_t kSomeBytes = 4096;
 constexpr double kHelloAgain_s = 5;
 constexpr double kLongestWait_s = 1;
 constexpr double kRetry_s = 0.01;  // where the transport's queue is full
@@ -310,6 +312,16 @@ std::size_t Session::Unsent(wire::Envelope::BodyCase kind) const {
       outbox_, [kind](const wire::Message& message) { return message.envelope.body_case() == kind; }));
 }
 
+void Session::NoteArrivals(double now_s) {
+  const std::uint64_t came = transport_.BytesCame();
+  if (came < came_bytes_ || requests_.empty())
+    came_bytes_ = came;  // over another connection, or nothing asked
+  if (came - came_bytes_ < kSomeBytes) return;
+  came_bytes_ = came;
+  blob_s_ = now_s;
+  queue_.NoteArrival();
+}
+
 void Session::RepeatFetches(double now_s) {
   if (Unsent(wire::Envelope::kFetch) > 0) return;
   for (auto& [hash, request] : requests_) {
@@ -342,6 +354,7 @@ void Session::Work(double now_s) {
     TakeAnswers();
     TakeLooks(now_s);
     Fetch(now_s);
+    NoteArrivals(now_s);
     RepeatFetches(now_s);
     SendHeartbeat(now_s);
   } else if (connected_ && now_s - hello_s_ >= kHelloAgain_s) {

@@ -74,6 +74,7 @@ class Session {
   bool Serve(const Want& want);     // from what is here; false: it has to be fetched
   void Fetch(double now_s);
   void TakeLooks(double now_s);
+  void NoteArrivals(double now_s);
   void RepeatFetches(double now_s);
   void SendHeartbeat(double now_s);
   void EndIfLeft(double now_s);
@@ -95,7 +96,8 @@ class Session {
   double heartbeat_sent_s_ = 0;        // when the last heartbeat went out
   bool leaving_ = false;               // it ends once it has nothing assigned
   std::optional<double> leave_by_s_;   // of its own accord: then it ends in any case
-  double blob_s_ = 0;                  // when a fetch was last answered
+  double blob_s_ = 0;                  // when a fetch was last answered, or some of an answer came
+  std::uint64_t came_bytes_ = 0;       // of what the transport has by now, what was taken note of
   std::map<Hash, Request> requests_;   // of parts by their names
   std::deque<wire::Message> outbox_;
   std::optional<int> exit_code_;

@@ -167,6 +167,34 @@ TEST(Conversation, HeartbeatsSayHowItsMachineIs) {
   EXPECT_EQ(rig.transport.Take(true).envelope.heartbeat().load(), 2.5);
 }
 
+// Over a slow link an input may come for minutes: its task moves as long as bytes of it do, and no longer.
+TEST(Conversation, ATaskWhoseInputComesSlowlyMovesAndIsNotAskedForAgain) {
+  Rig rig(AddIndex);
+  rig.Begin(1);
+  EXPECT_TRUE(rig.transport.Take(true).envelope.has_heartbeat());
+  const Hash a = rig.Keep(Number(1));
+  rig.Assign(RunTask(1, {{"a", a}}));
+  EXPECT_TRUE(rig.transport.Take().envelope.has_fetch());
+  const auto ticks = [&] {
+    rig.Pass(15);
+    wire::Message message;
+    while (!message.envelope.has_heartbeat() || message.envelope.heartbeat().ticks_size() == 0) {
+      message = rig.transport.Take(true);
+      EXPECT_FALSE(message.envelope.has_fetch());
+    }
+    return message.envelope.heartbeat().ticks(0);
+  };
+  std::uint64_t before = ticks();
+  for (int i = 0; i < 10; ++i) {
+    rig.transport.bytes_came += 5000;
+    const std::uint64_t after = ticks();
+    EXPECT_GT(after, before) << i;
+    before = after;
+  }
+  rig.transport.bytes_came += 100;  // a sign of life
+  EXPECT_EQ(ticks(), before);
+}
+
 TEST(Conversation, NothingPilesUpForAPeerThatTakesNothing) {
   Rig rig(AddIndex);
   rig.Begin(1);

@@ -137,6 +137,13 @@ void TaskQueue::Deliver(const wire::NamedBlob& named) {
   changed_.notify_all();
 }
 
+// Over a slow link an input takes as long as it takes: what waits for it does move.
+void TaskQueue::NoteArrival() {
+  const Lock lock(mutex_);
+  for (const auto& [hash, tasks] : waiting_)
+    for (const TaskPtr& task : tasks) ++task->ticks;
+}
+
 void TaskQueue::GiveUp(const Hash& hash, const std::string& why) {
   const Lock lock(mutex_);
   const auto node = waiting_.extract(hash);

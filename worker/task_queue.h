@@ -63,6 +63,7 @@ class TaskQueue {
   void Cancel(const wire::TaskKey& key);  // unknown keys are ignored
   void DropAll();                         // as if all were cancelled, and answers not yet taken too
   void Deliver(const wire::NamedBlob& named);
+  void NoteArrival();  // some of what its tasks wait for has come, and is not whole yet
   // The coordinator does not have it, or, where it has the blob, says why it has no such part.
   void GiveUp(const Hash& hash, const std::string& why = {});
   std::optional<Want> TakeWant();  // the next that was not taken before, in the order of need

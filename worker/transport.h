@@ -2,6 +2,7 @@
 // to a fake.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,8 @@ class Transport {
   virtual std::vector<Event> Poll(double timeout_s) = 0;
   // Never waits. False: not now (the queue is full), or not connected.
   virtual bool Send(const wire::Message& message) = 0;
+  // Over the connection that stands, those of messages that are not whole yet too.
+  virtual std::uint64_t BytesCame() const = 0;
   // From any thread, and from a signal handler.
   virtual void Wake() = 0;
 };

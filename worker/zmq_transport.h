@@ -1,6 +1,7 @@
 // The worker's link over ZeroMQ.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +18,7 @@ class ZmqTransport : public Transport {
       const std::string& endpoint, const std::optional<wire::ClientSecurity>& security = {});
   std::vector<Event> Poll(double timeout_s) override;
   bool Send(const wire::Message& message) override;
+  std::uint64_t BytesCame() const override { return socket_.BytesCame(); }
   void Wake() override { wakeup_.Signal(); }
 
  private:

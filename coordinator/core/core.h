@@ -115,6 +115,7 @@ class Core {
   // It says Hello anew, and has forgotten its tasks. True where it was to leave.
   void SayMoved(Report::Level level, const std::string& what);
   bool Forget(Worker* known, const std::string& how);
+  void WarnOfLink(const Worker& worker);  // a task of its was excused
   void BeginDraining(Worker& worker);
   void TellDrain(const Worker& worker);
   void DropUnlisted(Worker& worker, const wire::Heartbeat& heartbeat);

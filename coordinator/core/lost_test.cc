@@ -56,6 +56,19 @@ TEST(CoreLost, OneThatIsBackBeforeItsLossIsNoticedIsOneWorkerAndNobodyIsBlamed) 
   EXPECT_LT(fixture.core.served_s(), 10) << "jobs that are kept for so long did not grow older";
 }
 
+TEST(CoreLost, OneThatComesBackAgainAndAgainWithTheSameTaskIsWarnedOf) {
+  CoreFixture fixture;
+  BeginLost(fixture);
+  std::string warned;
+  for (int i = 1; i <= 10; ++i) {
+    fixture.Join(Connection(i), 1, "1", 7);
+    for (const Report& report : fixture.All<Report>())
+      if (report.level == Report::kWarning && report.text.find("too slow") != std::string::npos)
+        warned += std::to_string(i) + " ";
+  }
+  EXPECT_EQ(warned, "2 4 8 ") << "rarer and rarer";
+}
+
 TEST(CoreLost, OneThatWasSilentAndIsHeardOfAgainIsNotBlamed) {
   CoreFixture fixture;
   BeginLost(fixture);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 
 #include "coordinator/core/core.h"
 
@@ -72,8 +73,23 @@ bool Core::Forget(Worker* known, const std::string& how) {
   if (known == nullptr) return false;
   const bool draining = known->draining;
   const std::string what = WorkerName(known->hello) + " " + how;
-  Lose(*known, what, Excuse(*known) ? "" : what + " while it ran, once more");
+  const bool excused = Excuse(*known);
+  if (excused) WarnOfLink(*known);
+  Lose(*known, what, excused ? "" : what + " while it ran, once more");
   return draining;
+}
+
+// What it was sent of its task's inputs is lost with each connection, and goes over the next anew.
+void Core::WarnOfLink(const Worker& worker) {
+  const Job* job = JobOfRunning(worker);
+  if (job == nullptr) return;
+  const std::uint32_t task = worker.assigned.front().key.task();
+  const auto times = static_cast<unsigned>(job->tasks.task(task).excuses);
+  if (times < 2 || !std::has_single_bit(times)) return;
+  Say(Report::kWarning, *job,
+      job->TaskName(task) + " was lost " + std::to_string(times) +
+          " times, the last with the connection of " + WorkerName(worker.hello) +
+          ", and begins anew each time: is the link to it cut, or too slow?");
 }
 
 Worker* Core::Heard(const std::string& peer) {

@@ -18,5 +18,7 @@ bool IsConnectionOf(int fd, const std::string& ours);
 void ShutDownConnection(int fd, const std::string& ours);
 // Bytes that came over it so far; 0 for ipc.
 std::uint64_t BytesReceived(int fd);
+// Bytes that were handed to the system and that the other end has not got yet.
+std::uint64_t BytesUnderWay(int fd);
 
 }  // namespace cairn::wire

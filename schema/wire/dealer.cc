@@ -8,9 +8,9 @@
 namespace cairn::wire {
 namespace {
 
-constexpr int kConnectionEvents = ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED |
-                                  ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
-                                  ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
+constexpr int kConnectionEvents = ZMQ_EVENT_CONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED |
+                                  ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH |
+                                  ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
 
 // At least what CURVE and ZMTP add to a frame.
 constexpr std::size_t kAddedToAFrame = 64;
@@ -38,6 +38,7 @@ LinkEvent Translate(int event, std::uint32_t value, bool with_keys) {
 Status DealerSocket::Impl::Open() {
   again_at.reset();
   connected = told = false;
+  descriptor = -1;
   monitor.reset();
   try {
     socket = zmq::socket_t(context->zmq, zmq::socket_type::dealer);
@@ -50,9 +51,11 @@ Status DealerSocket::Impl::Open() {
     socket.set(zmq::sockopt::immediate, true);
     socket.set(zmq::sockopt::ipv6, true);
     // Behind what acknowledges bytes and passes nothing on TCP notices nothing. The ROUTER answers these
-    // pings; its own it must not send (RouterSocket::Bind).
+    // pings; its own it must not send (RouterSocket::Bind). An answer waits behind the frames that are due
+    // before it, and over a slow link a single one takes longer than any patience. ZeroMQ would count whole
+    // frames; here every byte is a sign of life (IsSilent).
     socket.set(zmq::sockopt::heartbeat_ivl, options.keepalive_ms);
-    socket.set(zmq::sockopt::heartbeat_timeout, 3 * options.keepalive_ms);
+    socket.set(zmq::sockopt::heartbeat_timeout, 0);
     socket.set(zmq::sockopt::reconnect_ivl, options.reconnect_ms);
     socket.set(zmq::sockopt::reconnect_ivl_max, options.reconnect_max_ms);
     if (security) {
@@ -105,7 +108,23 @@ DealerSocket::~DealerSocket() = default;
 std::optional<LinkEvent> DealerSocket::Impl::NextEvent() {
   const std::optional<Monitor::Event> event = monitor ? monitor->Next() : std::nullopt;
   if (!event) return std::nullopt;
+  if (event->kind == ZMQ_EVENT_CONNECTED) {
+    descriptor = static_cast<int>(event->value);
+    return NextEvent();
+  }
   return Translate(event->kind, event->value, security.has_value());
+}
+
+// By looks, of which each counts little: this process may have been stopped, and what came waits to be read.
+bool DealerSocket::Impl::IsSilent() {
+  const std::chrono::milliseconds between(options.keepalive_ms);
+  const auto now = std::chrono::steady_clock::now();
+  const auto since = std::min<std::chrono::steady_clock::duration>(now - looked_at, between);
+  looked_at = now;
+  const std::uint64_t came = wire::BytesCame(descriptor);
+  silent = std::exchange(came_bytes, came) == came ? silent + since : std::chrono::steady_clock::duration(0);
+  constexpr int kPings = 3;
+  return silent > kPings * between;
 }
 
 std::optional<LinkEvent> DealerSocket::TryEvent() {
@@ -118,13 +137,20 @@ std::optional<LinkEvent> DealerSocket::TryEvent() {
     const bool failed = *event == LinkEvent::kHandshakeFailed || (gone && !impl_->connected);
     impl_->connected = *event == LinkEvent::kConnected;
     impl_->told = *event == LinkEvent::kHandshakeFailed || *event == LinkEvent::kKeyRefused;
-    if (impl_->connected) impl_->pause = {};
+    if (impl_->connected) {
+      impl_->pause = {};
+      impl_->silent = {};
+    }
     if (!failed) return event;
     impl_->TryLater();
     return LinkEvent::kHandshakeFailed;
   }
-  return std::nullopt;
+  if (!impl_->connected || !impl_->IsSilent()) return std::nullopt;
+  static_cast<void>(Reconnect());  // fails where the process has no descriptors left
+  return LinkEvent::kDisconnected;
 }
+
+std::uint64_t DealerSocket::BytesCame() const { return wire::BytesCame(impl_->descriptor); }
 
 std::optional<Received> DealerSocket::TryReceive() {
   std::vector<zmq::message_t> frames = ReceiveFrames(impl_->socket, impl_->options.limits);

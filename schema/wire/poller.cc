@@ -45,6 +45,7 @@ bool Poller::Wait(std::chrono::milliseconds timeout) {
     items.push_back({router->socket.handle(), 0, ZMQ_POLLIN, 0});
   for (DealerSocket::Impl* dealer : impl_->dealers) {
     items.push_back({dealer->socket.handle(), 0, ZMQ_POLLIN, 0});
+    timeout = std::min(timeout, std::chrono::milliseconds(dealer->options.keepalive_ms));
     if (dealer->monitor) items.push_back({dealer->monitor->handle(), 0, ZMQ_POLLIN, 0});
   }
   for (const Wakeup* wakeup : impl_->wakeups) items.push_back({nullptr, wakeup->fd_, ZMQ_POLLIN, 0});

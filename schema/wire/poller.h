@@ -35,7 +35,8 @@ class Poller {
   void Add(DealerSocket& socket);
   void Add(const Wakeup& wakeup);
   // True where something came before `timeout` was over. Then drain: TryEvent and TryReceive until they give
-  // nothing. Clears the wakeups. A signal ends the wait early, with false.
+  // nothing. Clears the wakeups. A signal ends the wait early, with false, and so does the time at which a
+  // dealer must be asked whether anything comes.
   bool Wait(std::chrono::milliseconds timeout);
 
  private:

@@ -179,7 +179,8 @@ Status RouterSocket::Send(const std::string& peer, Message message) {
 
 std::size_t RouterSocket::Unsent(const std::string& peer) const {
   const auto known = impl_->peers.find(peer);
-  return known == impl_->peers.end() ? 0 : known->second.unsent->load();
+  const std::size_t waits = known == impl_->peers.end() ? 0 : known->second.unsent->load();
+  return waits == 0 ? 0 : waits + BytesUnderWay(known->second.descriptor);
 }
 
 }  // namespace cairn::wire

@@ -21,9 +21,10 @@ struct SocketOptions {
   ConnectionLimits connections;  // Router
   int queue_messages = 1000;     // high-water mark, each way and peer
   int handshake_ms = 5'000;      // a connection that has not shaken hands by then is closed
-  int keepalive_ms = 5'000;      // between TCP's pings, so that a vanished machine is noticed: after three
-  int linger_ms = 1'000;         // how long a closed socket may still send
-  int reconnect_ms = 100;        // Dealer: first pause, doubled up to reconnect_max_ms
+  // Between TCP's pings, so that a vanished machine is noticed: after three. Dealer: between ZMTP's, too.
+  int keepalive_ms = 5'000;
+  int linger_ms = 1'000;   // how long a closed socket may still send
+  int reconnect_ms = 100;  // Dealer: first pause, doubled up to reconnect_max_ms
   int reconnect_max_ms = 2'000;
 };
 
@@ -67,7 +68,8 @@ class RouterSocket {
   // kNotFound: the peer is gone, or was dropped. kBusy: its queue is full, or it has not read what was sent
   // before.
   Status Send(const std::string& peer, Message message);
-  // Bytes of messages that wait to go out to it, but for small ones.
+  // Bytes of messages that wait to go out to it, but for small ones, and then those on their way: over a slow
+  // link it falls while a frame goes, too.
   std::size_t Unsent(const std::string& peer) const;
   // Closes a peer's connection; what it had sent, and still sends, is thrown away.
   void Drop(const std::string& peer);
@@ -102,8 +104,11 @@ class DealerSocket {
   DealerSocket& operator=(DealerSocket&&) noexcept;
   ~DealerSocket();
 
-  // Ask this first: an event tells which connection the messages that follow belong to.
+  // Ask this first: an event tells which connection the messages that follow belong to. Ask it again and
+  // again: a connection through which nothing came for three keepalive_ms, by its calls, is left here.
   std::optional<LinkEvent> TryEvent();
+  // Over the connection that stands, those of messages that are not whole yet too.
+  std::uint64_t BytesCame() const;
   std::optional<Received> TryReceive();
   // kBusy: not connected by the events that were taken (a message is never kept for a later connection), or
   // the queue is full.

@@ -50,12 +50,18 @@ struct DealerSocket::Impl {
   std::chrono::milliseconds pause{0};
 
   bool connected = false;
-  bool told = false;  // how the last handshake failed
+  bool told = false;    // how the last handshake failed
+  int descriptor = -1;  // of the connection that was made last
+  // What had come by the last look at it, when that was, and for how long nothing has.
+  std::uint64_t came_bytes = 0;
+  std::chrono::steady_clock::time_point looked_at;
+  std::chrono::steady_clock::duration silent{0};
 
   Status Open();
   std::optional<LinkEvent> NextEvent();
   void TryLater();
   void TryAgainIfDue();
+  bool IsSilent();
 };
 
 void SetCommonOptions(zmq::socket_t& socket, const SocketOptions& options);

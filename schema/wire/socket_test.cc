@@ -125,6 +125,75 @@ TEST(Socket, ADealerLeavesAConnectionThroughWhichNothingComes) {
   EXPECT_EQ(next, LinkEvent::kConnected);
 }
 
+// A link of which a single frame takes longer than a dealer waits for a sign of life. Each byte is one,
+// however long the next takes to come.
+class SlowLink : public ::testing::Test {
+ protected:
+  static constexpr std::uint64_t kAtOnce = 1024;
+  static constexpr int kKeepalive_ms = 10;
+
+  SlowLink() {
+    EXPECT_EQ(AwaitEvent(dealer_), LinkEvent::kConnected);
+    EXPECT_TRUE(dealer_.Send(HelloMessage("slow")).ok());
+    peer_ = AwaitMessage(router_).value().peer;
+    relay_.may_pass = relay_.passed.load();
+  }
+  static SocketOptions Impatient() {
+    SocketOptions options = Quick();
+    options.keepalive_ms = kKeepalive_ms;
+    return options;
+  }
+  // A little more comes, after as long as a look counts.
+  void PassSome() {
+    const std::uint64_t before = dealer_.BytesCame();
+    std::this_thread::sleep_for(std::chrono::milliseconds(kKeepalive_ms));
+    relay_.may_pass += kAtOnce;
+    const auto end = std::chrono::steady_clock::now() + kPatience;
+    while (dealer_.BytesCame() == before && std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+
+  PrivateFolder folder_;
+  Context context_;
+  RouterSocket router_ = RouterSocket::Bind(context_, folder_.Ipc("s"), {}, Quick()).value();
+  StallingRelay relay_{(folder_.path() / "relay").string(), (folder_.path() / "s").string()};
+  DealerSocket dealer_ = DealerSocket::Connect(context_, folder_.Ipc("relay"), {}, Impatient()).value();
+  std::string peer_;
+};
+
+TEST_F(SlowLink, AFrameThatTakesLongDoesNotEndTheConnection) {
+  ASSERT_TRUE(router_.Send(peer_, BlobMessage(20'000)).ok());
+  std::optional<Received> received;
+  for (int i = 0; i < 1000 && !received; ++i) {
+    PassSome();
+    ASSERT_EQ(dealer_.TryEvent(), std::nullopt) << "after " << i << " times " << kAtOnce << " bytes";
+    received = dealer_.TryReceive();
+  }
+  ASSERT_TRUE(received && received->status.ok());
+  EXPECT_EQ(received->message.blobs.size(), 1U);
+}
+
+TEST_F(SlowLink, IsLeftWhereNothingComesInTheMiddleOfAFrame) {
+  ASSERT_TRUE(router_.Send(peer_, BlobMessage(20'000)).ok());
+  PassSome();
+  EXPECT_EQ(AwaitEvent(dealer_), LinkEvent::kDisconnected);
+}
+
+// So that who takes a frame slowly is told from who takes nothing.
+TEST_F(SlowLink, WhatIsUnsentFallsWhileAFrameGoes) {
+  ASSERT_TRUE(router_.Send(peer_, BlobMessage(100'000)).ok());
+  std::size_t before = router_.Unsent(peer_);
+  int falls = 0;
+  for (int i = 0; i < 200; ++i) {
+    PassSome();
+    ASSERT_EQ(dealer_.TryEvent(), std::nullopt);
+    const std::size_t unsent = router_.Unsent(peer_);
+    falls += unsent < before;
+    before = unsent;
+  }
+  EXPECT_GE(falls, 2) << "less than a frame has gone";
+}
+
 TEST(Socket, SendingToAnUnknownPeerSaysSo) {
   Link link;
   EXPECT_EQ(link.router.Send("nobody", HelloMessage("x")).code(), Code::kNotFound);

@@ -95,7 +95,7 @@ auto& g_read_to_the_end = *new std::unordered_set<int>;
 
 // A connection that this process made.
 struct Made {
-  std::uint64_t most_unread = 0, unread = 0;
+  std::uint64_t most_unread = 0, unread = 0, came = 0;
 };
 auto& g_made = *new std::unordered_map<int, Made>;  // by descriptor
 std::atomic<std::uint64_t> g_most_unread{0};        // 0: any number
@@ -118,7 +118,7 @@ void Watch(int fd) {
 void LimitMade(int fd) {
   const std::lock_guard lock(g_mutex);
   g_made.erase(fd);
-  if (g_most_unread > 0) g_made[fd] = {.most_unread = g_most_unread, .unread = 0};
+  if (g_most_unread > 0) g_made[fd] = {.most_unread = g_most_unread};
   g_made_count = g_made.size();
 }
 
@@ -132,7 +132,10 @@ bool IsFull(int fd) {
 void NoteCame(int fd, std::uint64_t bytes) {
   if (g_made_count == 0) return;
   const std::lock_guard lock(g_mutex);
-  if (const auto it = g_made.find(fd); it != g_made.end()) it->second.unread += bytes;
+  const auto it = g_made.find(fd);
+  if (it == g_made.end()) return;
+  it->second.unread += bytes;
+  it->second.came += bytes;
 }
 
 bool IsStream(int fd) {
@@ -187,6 +190,12 @@ void NoteTaken(int fd, std::uint64_t bytes) {
   const std::lock_guard lock(g_mutex);
   if (const auto it = g_made.find(fd); it != g_made.end())
     it->second.unread -= std::min(it->second.unread, bytes);
+}
+
+std::uint64_t BytesCame(int fd) {
+  const std::lock_guard lock(g_mutex);
+  const auto it = g_made.find(fd);
+  return it == g_made.end() ? 0 : it->second.came;
 }
 
 bool TakeEndOf(int fd) {

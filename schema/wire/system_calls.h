@@ -30,6 +30,8 @@ void LimitUnread(std::uint64_t bytes);
 // Who knows says that so many bytes of a message that came over `fd` were taken. Where it is another's
 // connection by now, that one may bring as much more.
 void NoteTaken(int fd, std::uint64_t bytes);
+// Bytes that have come over a connection since it was made, those of messages that are not whole yet too.
+std::uint64_t BytesCame(int fd);
 
 // True, once, of a connection that was read to its end, or until it failed: then its peer ended it, or the
 // network, or ShutDownConnection, and not ZeroMQ over what came.

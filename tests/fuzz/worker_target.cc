@@ -103,6 +103,7 @@ class Script : public worker::Transport {
     if (message.envelope.has_fetch()) Answer(message.envelope.fetch());
     return true;
   }
+  std::uint64_t BytesCame() const override { return 0; }
   void Wake() override {
     const std::lock_guard lock(mutex_);
     woken_ = true;

@@ -1,6 +1,7 @@
 // A transport whose other end is a test that plays the coordinator.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -32,6 +33,7 @@ class FakeTransport : public Transport {
     changed_.notify_all();
     return true;
   }
+  std::uint64_t BytesCame() const override { return bytes_came; }
   void Wake() override {
     const std::lock_guard lock(mutex_);
     woken_ = true;
@@ -39,6 +41,7 @@ class FakeTransport : public Transport {
   }
 
   // ---- for the test ----
+  std::atomic<std::uint64_t> bytes_came = 0;
   void Give(Event event) {
     const std::lock_guard lock(mutex_);
     in_.push_back(std::move(event));

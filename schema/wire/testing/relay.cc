@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace cairn::wire {
@@ -111,7 +112,13 @@ void StallingRelay::Pass(std::size_t from) {
   char bytes[65536];
   const bool of_router = from % 2 == 1;
   const std::size_t room =
-      of_router && !stalled ? std::min<std::size_t>(sizeof bytes, most - passed) : sizeof bytes;
+      of_router && !stalled
+          ? std::min<std::size_t>(sizeof bytes, std::min<std::uint64_t>(most, may_pass) - passed)
+          : sizeof bytes;
+  if (room == 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return;
+  }
   const ssize_t count = ::read(ends_[from].fd, bytes, room);
   if (count <= 0) {
     ends_[from].events = 0;  // closed: the other end is left as it is

@@ -54,6 +54,8 @@ class StallingRelay {
   std::atomic<bool> stalled = false;
   // Bytes of the router's; once it has passed so many on, it is stalled.
   std::atomic<std::uint64_t> passed = 0, most = std::numeric_limits<std::uint64_t>::max();
+  // Of the router's bytes no more than these are read: the others wait, as over a slow link.
+  std::atomic<std::uint64_t> may_pass = std::numeric_limits<std::uint64_t>::max();
   // Ends the connections. Those that come next are not stalled.
   void Break() { breaks_ = true; }
 
