@@ -313,10 +313,10 @@ std::size_t Session::Unsent(wire::Envelope::BodyCase kind) const {
 }
 
 void Session::NoteArrivals(double now_s) {
+  if (requests_.empty()) return came_bytes_.reset();
   const std::uint64_t came = transport_.BytesCame();
-  if (came < came_bytes_ || requests_.empty())
-    came_bytes_ = came;  // over another connection, or nothing asked
-  if (came - came_bytes_ < kSomeBytes) return;
+  if (!came_bytes_ || came < *came_bytes_) came_bytes_ = came;  // the latter over another connection
+  if (came - *came_bytes_ < kSomeBytes) return;
   came_bytes_ = came;
   blob_s_ = now_s;
   queue_.NoteArrival();

@@ -90,15 +90,15 @@ class Session {
   const double started_s_;
   bool connected_ = false;
   bool ever_welcome_ = false;
-  unsigned failed_handshakes_ = 0;     // since it was last connected
-  std::optional<double> heartbeat_s_;  // since Welcome
-  double hello_s_ = 0;                 // when Hello was last said
-  double heartbeat_sent_s_ = 0;        // when the last heartbeat went out
-  bool leaving_ = false;               // it ends once it has nothing assigned
-  std::optional<double> leave_by_s_;   // of its own accord: then it ends in any case
-  double blob_s_ = 0;                  // when a fetch was last answered, or some of an answer came
-  std::uint64_t came_bytes_ = 0;       // of what the transport has by now, what was taken note of
-  std::map<Hash, Request> requests_;   // of parts by their names
+  unsigned failed_handshakes_ = 0;           // since it was last connected
+  std::optional<double> heartbeat_s_;        // since Welcome
+  double hello_s_ = 0;                       // when Hello was last said
+  double heartbeat_sent_s_ = 0;              // when the last heartbeat went out
+  bool leaving_ = false;                     // it ends once it has nothing assigned
+  std::optional<double> leave_by_s_;         // of its own accord: then it ends in any case
+  double blob_s_ = 0;                        // when a fetch was last answered, or some of an answer came
+  std::optional<std::uint64_t> came_bytes_;  // of what has come, what was taken note of; none: nothing asked
+  std::map<Hash, Request> requests_;         // of parts by their names
   std::deque<wire::Message> outbox_;
   std::optional<int> exit_code_;
 };
