@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -15,15 +16,15 @@ namespace {
 constexpr std::size_t kLeastOfBeam = 100, kMostScans = 1000;  // that are looked at
 constexpr double kStuck_m = 0.01, kStuckShare = 0.95, kMoving = 0.5;
 
-// The readings of each beam that are numbers; of a long log those of some scans.
-std::vector<std::vector<double>> ReadingsOf(const Walked<double>& range_m, std::size_t beams) {
+// The echoes of each beam; of a long log those of some scans.
+std::vector<std::vector<double>> EchoesOf(const Walked<double>& range_m, std::size_t beams, double reach_m) {
   std::vector<std::vector<double>> readings(beams);
   const std::size_t scans = beams == 0 ? 0 : range_m.size() / beams,
                     every = std::max<std::size_t>(1, scans / kMostScans);
   for (std::size_t scan = 0; scan < scans; scan += every) {
     for (std::size_t b = 0; b < beams; ++b) {
       const double range = range_m[scan * beams + b];
-      if (!std::isnan(range)) readings[b].push_back(range);
+      if (kinds::IsEcho(range, reach_m)) readings[b].push_back(range);
     }
   }
   return readings;
@@ -64,10 +65,10 @@ std::string WarningOf(const std::string& robot, const kinds::Log::RangeSensor& s
 
 }  // namespace
 
-std::vector<StuckBeam> FindStuckBeams(const Walked<double>& range_m, std::size_t beams) {
+std::vector<StuckBeam> FindStuckBeams(const Walked<double>& range_m, std::size_t beams, double reach_m) {
   std::vector<StuckBeam> stuck;
   std::size_t told = 0, moving = 0;
-  std::vector<std::vector<double>> readings = ReadingsOf(range_m, beams);
+  std::vector<std::vector<double>> readings = EchoesOf(range_m, beams, reach_m);
   for (std::size_t b = 0; b < beams; ++b) {
     if (readings[b].size() < kLeastOfBeam) continue;
     const Middle middle = MiddleOfBeam(std::move(readings[b]));
@@ -88,7 +89,8 @@ std::vector<std::string> StuckBeamsOf(const Blob& log) {
     for (const kinds::Log::RangeSensor& sensor : parts.robot[n].sensors) {
       const std::size_t beams = sensor.beam_heading_rad.OrNone().size();
       if (beams == 0 || !sensor.range_m || sensor.range_m.size() % beams != 0) continue;
-      const std::vector<StuckBeam> stuck = FindStuckBeams(sensor.range_m.array(), beams);
+      const std::vector<StuckBeam> stuck = FindStuckBeams(
+          sensor.range_m.array(), beams, sensor.max_range_m.Or(std::numeric_limits<double>::infinity()));
       if (!stuck.empty()) texts.push_back(WarningOf(robots[n], sensor, stuck));
     }
   }

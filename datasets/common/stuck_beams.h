@@ -17,8 +17,9 @@ struct StuckBeam {
 };
 
 // The beams that say about one range, to a centimetre, in nearly all scans, where most of the others do not:
-// these tell that the robot moved. `range_m`: a row of `beams` for each scan; NaN says nothing.
-std::vector<StuckBeam> FindStuckBeams(const Walked<double>& range_m, std::size_t beams);
+// these tell that the robot moved. `range_m`: a row of `beams` for each scan; what is no echo (IsEcho) says
+// nothing.
+std::vector<StuckBeam> FindStuckBeams(const Walked<double>& range_m, std::size_t beams, double reach_m);
 
 // A warning a sensor that has some. Forgives what is missing.
 std::vector<std::string> StuckBeamsOf(const Blob& log);

@@ -13,6 +13,7 @@ namespace cairn::datasets {
 namespace {
 
 constexpr std::size_t kBeamsOfStuck = 8, kScansOfStuck = 300;
+constexpr double kReachOfStuck_m = 5;
 
 // Of a robot that drives to and fro in a room; beam 3 says what `of_third` says.
 template <class Of>
@@ -32,8 +33,9 @@ std::vector<double> StuckReadings(const Of& of_third, bool drives = true) {
 
 TEST(StuckBeams, ABeamThatSaysTheSameWhileTheOthersChangeIsFound) {
   for (const double jitter_m : {0.0, 0.003}) {
-    const auto found = FindStuckBeams(
-        StuckReadings([&](double, Rng& rng) { return 1.234 + jitter_m * rng.Normal(); }), kBeamsOfStuck);
+    const auto found =
+        FindStuckBeams(StuckReadings([&](double, Rng& rng) { return 1.234 + jitter_m * rng.Normal(); }),
+                       kBeamsOfStuck, kReachOfStuck_m);
     ASSERT_EQ(found.size(), 1U) << jitter_m;
     EXPECT_EQ(found[0].beam, 3U);
     EXPECT_NEAR(found[0].range_m, 1.234, 0.002);
@@ -41,11 +43,23 @@ TEST(StuckBeams, ABeamThatSaysTheSameWhileTheOthersChangeIsFound) {
 }
 
 TEST(StuckBeams, WhatChangesOrSaysNothingOrStandsStillIsNotStuck) {
-  EXPECT_TRUE(FindStuckBeams(StuckReadings([](double range, Rng&) { return range; }), kBeamsOfStuck).empty());
   EXPECT_TRUE(
-      FindStuckBeams(StuckReadings([](double, Rng&) { return std::nan(""); }), kBeamsOfStuck).empty());
-  EXPECT_TRUE(FindStuckBeams(StuckReadings([](double, Rng&) { return 1.2; }, false), kBeamsOfStuck).empty());
-  EXPECT_TRUE(FindStuckBeams({}, kBeamsOfStuck).empty());
+      FindStuckBeams(StuckReadings([](double range, Rng&) { return range; }), kBeamsOfStuck, kReachOfStuck_m)
+          .empty());
+  EXPECT_TRUE(
+      FindStuckBeams(StuckReadings([](double, Rng&) { return std::nan(""); }), kBeamsOfStuck, kReachOfStuck_m)
+          .empty());
+  EXPECT_TRUE(
+      FindStuckBeams(StuckReadings([](double, Rng&) { return 1.2; }, false), kBeamsOfStuck, kReachOfStuck_m)
+          .empty());
+  EXPECT_TRUE(FindStuckBeams({}, kBeamsOfStuck, kReachOfStuck_m).empty());
+}
+
+// In a hall that is wider than a sensor sees.
+TEST(StuckBeams, ASensorThatGivesItsReachWhereNothingIsIsNotStuck) {
+  EXPECT_TRUE(FindStuckBeams(StuckReadings([](double, Rng&) { return kReachOfStuck_m; }), kBeamsOfStuck,
+                             kReachOfStuck_m)
+                  .empty());
 }
 
 // Along a wall half of the beams may say the same without noise: that tells of the place.
@@ -53,7 +67,7 @@ TEST(StuckBeams, WhereMostDoNotChangeNothingIsSaid) {
   std::vector<double> range_m = StuckReadings([](double range, Rng&) { return range; });
   for (std::size_t i = 0; i < range_m.size(); ++i)
     if (i % kBeamsOfStuck != 0) range_m[i] = 1;
-  EXPECT_TRUE(FindStuckBeams(range_m, kBeamsOfStuck).empty());
+  EXPECT_TRUE(FindStuckBeams(range_m, kBeamsOfStuck, kReachOfStuck_m).empty());
 }
 
 TEST(StuckBeams, TheWarningNamesRobotSensorAndBeam) {
