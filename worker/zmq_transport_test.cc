@@ -20,7 +20,9 @@ TEST(ZmqTransport, ACallTakesNoMoreBytesThanItsLimit) {
   wire::Context context;
   wire::RouterSocket router = wire::RouterSocket::Bind(context, folder.Ipc("s")).value();
   const std::unique_ptr<ZmqTransport> transport = ZmqTransport::Connect(folder.Ipc("s")).value();
-  ASSERT_EQ(transport->Poll(wire::kPatience.count()).at(0).kind, Event::kConnected);
+  std::vector<Event> begin;  // what comes before the handshake's end wakes it, too
+  while (begin.empty()) begin = transport->Poll(wire::kPatience.count());
+  ASSERT_EQ(begin[0].kind, Event::kConnected);
   ASSERT_TRUE(transport->Send(wire::HelloMessage("here")));
   const std::optional<wire::Received> hello = wire::AwaitMessage(router);
   ASSERT_TRUE(hello);

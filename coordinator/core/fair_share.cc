@@ -41,7 +41,7 @@ void FairShare::Charge(std::uint64_t job, double seconds, int priority) {
 
 void FairShare::Reprioritize(std::uint64_t job, int before, int priority) {
   const auto it = clocks_.find(job);
-  if (it == clocks_.end() || it->second <= now_) return;
+  if (it == clocks_.end() || it->second <= now_ || priority <= before) return;
   const bool ready = ready_.erase({it->second, job}) > 0;
   it->second = now_ + (it->second - now_) * std::exp2(before - priority);
   if (ready) ready_.insert({it->second, job});

@@ -21,7 +21,8 @@ class FairShare {
   std::optional<std::uint64_t> Next() const;
   // The job that is next was given work of about so many worker seconds.
   void Charge(std::uint64_t job, double seconds, int priority);
-  // What it was given counts from now on as if its priority had been this one.
+  // Where it is higher now, what the job was given counts as if it had been so from the beginning: it need
+  // not wait for what weighed more. Where it is lower the next turn weighs more.
   void Reprioritize(std::uint64_t job, int before, int priority);
 
  private:

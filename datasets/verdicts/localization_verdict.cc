@@ -102,7 +102,9 @@ Ends EndsOf(const kinds::Localization::Steps& step, double sure_m) {
     ++ends.robots;
     if (step.spread_m[k] > sure_m) continue;
     ++ends.sure;
-    ends.there += ends.are_checked && step.off_label_m[k] <= sure_m ? 1 : 0;
+    // As near as its own belief allows: of those that are right one in fifty is further off than twice that.
+    const double near_m = std::max(sure_m, 2 * step.spread_m[k]);
+    ends.there += ends.are_checked && step.off_label_m[k] <= near_m ? 1 : 0;
   }
   return ends;
 }
@@ -120,9 +122,9 @@ void AddNetworks(const kinds::Localization& localization, Verdict* verdict) {
 void AddElsewhere(const Ends& ends, Verdict* verdict) {
   verdict->AddCount("right_robots", ends.there);
   if (ends.there == ends.sure) return;
-  const bool most_are_there = 3 * ends.there >= 2 * ends.sure;
+  const bool most_are_there = 3 * ends.there >= 2 * ends.sure && 2 * ends.there >= ends.robots;
   verdict->Add({most_are_there ? Confidence::kFair : Confidence::kLow,
-                fmt::format("only {} of those {} are so near to where the samples say that they were taken{}",
+                fmt::format("only {} of those {} are as near to where the samples say that they were taken{}",
                             ends.there, ends.sure,
                             most_are_there ? ""
                                            : ": do other places look the same, do the features drift, or are "

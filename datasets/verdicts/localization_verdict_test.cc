@@ -78,11 +78,22 @@ TEST(LocalizationVerdict, IsLowWhereThoseThatAreSureAreElsewhere) {
   result.PutVector<double>("step/off_label_m", {9, 1, 9, 2.4, 9, 6, 9, 0});
   const Verdict most = LocalizationVerdict(result);
   EXPECT_EQ(most.trust, Confidence::kFair);
-  EXPECT_NE(most.why.find("only 2 of those 3 are so near"), std::string::npos) << most.why;
+  EXPECT_NE(most.why.find("only 2 of those 3 are as near"), std::string::npos) << most.why;
   result.PutVector<double>("step/off_label_m", {0, 1, 0, 6, 0, 6, 0, 0});
   const Verdict few = LocalizationVerdict(result);
   EXPECT_EQ(few.trust, Confidence::kLow);
-  EXPECT_NE(few.why.find("only 1 of those 3 are so near"), std::string::npos) << few.why;
+  EXPECT_NE(few.why.find("only 1 of those 3 are as near"), std::string::npos) << few.why;
+  Blob half = Localized({2, 2, 2, 9, 9}, 1.5);
+  half.PutVector<double>("step/off_label_m", {9, 1, 9, 1, 9, 6, 9, 9, 9, 9});
+  EXPECT_EQ(LocalizationVerdict(half).trust, Confidence::kLow) << "two of five are where they are sure to be";
+}
+
+TEST(LocalizationVerdict, WhoIsAsFarOffAsItsOwnBeliefAllowsIsThere) {
+  Blob result = Localized({2.2, 2.2, 2.2, 2.2}, 1.5);
+  result.PutVector<double>("step/off_label_m", {9, 4, 9, 4, 9, 1, 9, 1});
+  const Verdict right = LocalizationVerdict(result);
+  EXPECT_EQ(right.trust, Confidence::kFair);
+  EXPECT_EQ(right.why.find("only"), std::string::npos) << right.why;
 }
 
 TEST(LocalizationVerdict, IsNoBetterThanThatOfItsNetworks) {

@@ -84,16 +84,19 @@ class HeldOutCheck {
     return neighbours;
   }
 
-  // A hundred times as alike to a sample near it as to those before and after it.
+  // A hundred times as alike to a sample near it as to those before and after it, and to no other of its own
+  // run: of inputs of few values many are the same by chance.
   bool IsCopy(std::size_t at, const std::vector<std::size_t>& nearest) const {
     constexpr double kAsAlike = 0.01;
     double to_own = std::numeric_limits<double>::infinity();
     if (at > 0) to_own = Difference(in_order_[at], held_out_, in_order_[at - 1]);
     if (at + 1 < in_order_.size())
       to_own = std::min(to_own, Difference(in_order_[at], held_out_, in_order_[at + 1]));
-    return to_own > 0.0 && std::ranges::any_of(nearest, [&](std::size_t k) {
-             return Difference(in_order_[at], training_, k) <= kAsAlike * to_own;
-           });
+    const auto is_as_alike = [&](const SampleSet& set) {
+      return [&, this](std::size_t k) { return Difference(in_order_[at], set, k) <= kAsAlike * to_own; };
+    };
+    return to_own > 0.0 && std::ranges::any_of(nearest, is_as_alike(training_)) &&
+           std::ranges::count_if(in_order_, is_as_alike(held_out_)) == 1;  // itself
   }
 
   // Of the inputs of a held-out sample and another one.

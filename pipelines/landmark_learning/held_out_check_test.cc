@@ -75,6 +75,18 @@ TEST(CheckHeldOut, KnowsACopyByWhatWasSensed) {
   EXPECT_GT(Checked(samples).same_share.Scalar(), 0.95);
 }
 
+// Detectors say yes or no: that two samples agree is no sign that one is copied.
+TEST(CheckHeldOut, WhatIsTheSameByChanceIsNoCopy) {
+  Blob samples = CorridorSamples().Make();
+  Rng rng(5);
+  for (int run = 0; run < 3; ++run) {
+    std::vector<float> input(kSamples * kInputs);
+    for (float& value : input) value = rng.Uniform() < 0.5 ? 0.0F : 1.0F;
+    PutInputs(run, input, &samples);
+  }
+  EXPECT_LT(Checked(samples).same_share.Scalar(), 0.1);
+}
+
 TEST(CheckHeldOut, SaysNothingWhereNoRunIsHeldOut) {
   const TrainingData data = TrainingData::Of(CorridorSamples().Make(), "");
   EXPECT_FALSE(CheckHeldOut({}, data, Parameters<float>({1, kInputs, 2})).samples);

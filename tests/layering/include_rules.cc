@@ -138,7 +138,7 @@ const std::vector<Rule>& Rules() {
        true},
       {"pipelines/landmark_learning",
        {"schema/*", "schema/kinds/", "pipelines/pipeline.h", "pipelines/common/",
-        "pipelines/landmark_learning/"},
+        "pipelines/landmark_learning/", "Eigen/Eigenvalues"},
        true},
       {"pipelines/landmark_learning/error_sum",
        {"schema/*", "schema/kinds/", "pipelines/landmark_learning/error_sum/"},
