@@ -74,7 +74,7 @@ const std::map<std::string, Promise>& Promises() {
       {"forward_map_one_tile",
        {.follows = Follows::kByQuarters,
         .cell_m = 0.1,
-        .angles_rad = {0.4, kPi - 0.06},
+        .angles_rad = {0.4, 3.13},
         .but = {"history/changed_"}}},  // by the numbers of cells
       {"local_map",
        {.follows = Follows::kOwnFrame, .tolerance = 0.01, .angles_rad = kAnyAngle, .but = {"snapshots/"}}},
