@@ -9,9 +9,7 @@
 
 #include "datasets/common/observation_doubts.h"
 #include "datasets/common/odometry_restart.h"
-#include "datasets/common/range_doubts.h"
-#include "datasets/common/ring_turn_doubts.h"
-#include "datasets/common/stuck_beams.h"
+#include "datasets/common/range_sensor_doubts.h"
 #include "datasets/common/unit_doubts.h"
 #include "datasets/import/truth_doubts.h"
 #include "schema/error.h"
@@ -278,9 +276,7 @@ Blob MakeLog(LogRows rows, const std::string& source, ImportReport* report) {
   for (std::string& hole : OdometryHolesOf(log)) report->warnings.push_back(std::move(hole));
   for (std::string& robot : RobotsWithoutObservationsOf(log)) report->warnings.push_back(std::move(robot));
   for (std::string& doubt : ObservationDoubtsOf(log)) report->warnings.push_back(std::move(doubt));
-  for (std::string& doubt : ConstantReadingsOf(log)) report->warnings.push_back(std::move(doubt));
-  for (std::string& doubt : StuckBeamsOf(log)) report->warnings.push_back(std::move(doubt));
-  for (std::string& doubt : RingTurnDoubtsOf(log)) report->warnings.push_back(std::move(doubt));
+  for (std::string& doubt : RangeSensorDoubtsOf(log)) report->warnings.push_back(std::move(doubt));
   if (rows.truth_landmarks) {
     log.Put("truth/landmarks/name", Array::Texts(rows.truth_landmarks->name));
     log.PutVector("truth/landmarks/x_m", rows.truth_landmarks->x_m);

@@ -8,9 +8,7 @@
 #include "datasets/common/array_text.h"
 #include "datasets/common/observation_doubts.h"
 #include "datasets/common/occupancy.h"
-#include "datasets/common/range_doubts.h"
-#include "datasets/common/ring_turn_doubts.h"
-#include "datasets/common/stuck_beams.h"
+#include "datasets/common/range_sensor_doubts.h"
 #include "datasets/common/unit_doubts.h"
 #include "datasets/verdicts/grid_map_verdict.h"
 #include "datasets/verdicts/landmark_map_verdict.h"
@@ -276,8 +274,7 @@ Result<Inspection> Inspect(const std::string& path) {
     inspection.warnings.push_back(std::move(robot));
   if (inspection.kind == "samples") inspection.warnings = InputsOfTimeOf(blob);
   if (inspection.kind == "log")
-    for (const auto& doubts :
-         {ObservationDoubtsOf(blob), ConstantReadingsOf(blob), StuckBeamsOf(blob), RingTurnDoubtsOf(blob)})
+    for (const auto& doubts : {ObservationDoubtsOf(blob), RangeSensorDoubtsOf(blob)})
       inspection.warnings.insert(inspection.warnings.end(), doubts.begin(), doubts.end());
   for (const DatasetInfo& dataset : info.value().datasets) {
     inspection.datasets.push_back(Summarize(dataset, blob.at(dataset.name)));

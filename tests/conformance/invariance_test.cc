@@ -70,7 +70,8 @@ const std::map<std::string, Promise>& Promises() {
         .cell_m = 0.05,
         .angles_rad = kAnyBeam,
         .options = {{"cell_m", "0.05"}}}},
-      // Not at any angle: where two maps are equally likely rounding decides.
+      // Not at any angle: at one in four of 36 a map of a cell more or less is as likely, and rounding
+      // decides.
       {"forward_map_one_tile",
        {.follows = Follows::kByQuarters,
         .cell_m = 0.1,

@@ -7,9 +7,7 @@
 
 #include "coordinator/cli/common/failure.h"
 #include "coordinator/cli/common/result_file.h"
-#include "datasets/common/range_doubts.h"
-#include "datasets/common/ring_turn_doubts.h"
-#include "datasets/common/stuck_beams.h"
+#include "datasets/common/range_sensor_doubts.h"
 #include "datasets/common/unit_doubts.h"
 #include "schema/kinds/kind.h"
 #include "schema/kinds/odometry_holes.h"
@@ -61,8 +59,7 @@ void Accept(const proto::Job& job, const std::string& name, const JobInput& inpu
 
 // Whoever imported the log was told so, and may be another, or long ago.
 void WarnOf(const std::string& path, const Blob& log) {
-  for (const auto& warnings : {OdometryHolesOf(log), datasets::ConstantReadingsOf(log),
-                               datasets::StuckBeamsOf(log), datasets::RingTurnDoubtsOf(log)})
+  for (const auto& warnings : {OdometryHolesOf(log), datasets::RangeSensorDoubtsOf(log)})
     for (const std::string& warning : warnings)
       std::fprintf(stderr, "cairn: warning: %s: %s\n", path.c_str(), warning.c_str());
 }
